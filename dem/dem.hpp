@@ -1,0 +1,149 @@
+#pragma once
+// Façade of the discrete element library: spherical grains, their contacts with each other and with walls.
+// Knows nothing of scene files, MPI or finite elements. All values SI. Host API; the state lives in the backend
+// (Thrust OMP or Thrust CUDA, one kernel source). Errors: base::UserError, base::UnstableError.
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/energy.hpp"
+#include "base/skin.hpp"
+#include "base/vec3.hpp"
+
+namespace dem {
+
+using base::Vec3;
+
+enum class Backend { omp, cuda };
+/// True when the CUDA backend is built in and a usable device is present; `why_not` says why not.
+bool cuda_available(std::string* why_not = nullptr);
+/// True when the CUDA backend was compiled into this binary.
+bool cuda_built();
+
+/// Elastic constants of what touches. A wall material has no density.
+struct Material {
+  std::string name;
+  double young_modulus = 0;  // [Pa]
+  double poisson_ratio = 0;  // [-]
+  double density = 0;        // [kg/m3], grains only
+};
+
+/// What a pair of materials does when they touch. Symmetric in the pair.
+struct Interaction {
+  double friction = 0;          // Coulomb coefficient mu [-]
+  double restitution = 1;       // normal restitution e_n in (0, 1] [-]
+  double rolling_friction = 0;  // eta_r [-] (Irazabal2017 5.3); 0: no rolling resistance
+};
+
+struct Grain {
+  Vec3 position;          // [m]
+  double radius = 0;      // [m]
+  Vec3 velocity;          // [m/s]
+  Vec3 angular_velocity;  // [rad/s]
+  int material = 0;       // index into Setup::materials
+  std::int64_t id = 0;    // kept for the grain's whole life; unique
+};
+
+/// Infinite plane; grains live on the side the normal points to.
+struct Plane {
+  Vec3 point, normal;
+};
+
+struct Setup {
+  std::vector<Material> materials;
+  std::vector<Interaction> interactions;  // row-major materials × materials, symmetric
+  Vec3 gravity;                           // [m/s2]
+  double skin = 0;                        // [m] neighbour-list skin; 0: chosen (0.1 × smallest radius or better)
+  double maximum_overlap = 0.3;           // overlap / smaller radius above which the run is declared unstable
+  bool track_energy = true;               // false: no ledger, no memory and no work for it
+  bool rotations = true;
+};
+
+struct StableStep {
+  double limit = 0;     // [s] before any safety factor
+  std::string limiter;  // which grain / contact sets it, in words
+};
+
+struct Counts {
+  std::int64_t grains = 0, contacts = 0, wall_contacts = 0, candidate_pairs = 0, wall_candidates = 0, rebuilds = 0,
+               steps = 0;
+  std::size_t bytes = 0;  // memory held by the backend
+};
+
+/// One grain–grain contact that carries force, for output and measurement.
+struct GrainContact {
+  std::int64_t id_i, id_j;
+  Vec3 position_i, position_j;
+  Vec3 force;          // [N] on i
+  double overlap = 0;  // [m]
+};
+/// One grain–wall contact that carries force.
+struct WallContact {
+  std::int64_t id;
+  int wall;            // as returned by add_plane / add_mesh
+  Vec3 grain_position, point;
+  Vec3 force;          // [N] on the grain
+  double overlap = 0;  // [m]
+};
+
+class Simulation {
+ public:
+  static std::unique_ptr<Simulation> create(const Setup&, Backend);
+  virtual ~Simulation() = default;
+
+  // ---- grains
+  virtual void add_grains(std::span<const Grain>) = 0;
+  /// Removes the grains with these ids (unknown ids are ignored).
+  virtual void remove_grains(std::span<const std::int64_t> ids) = 0;
+  /// Host copy, sorted by id; velocities at the same instant as positions.
+  virtual std::vector<Grain> grains() const = 0;
+  /// Overwrites position and velocities of the grains with these ids (histories of their contacts are kept).
+  virtual void set_grains(std::span<const Grain>) = 0;
+  virtual void set_material(int material, const Material&) = 0;
+  virtual void set_interaction(int a, int b, const Interaction&) = 0;
+  virtual void set_gravity(Vec3) = 0;
+  /// Artificial damping force -alpha m v and torque -alpha I omega on every grain, for relaxation. 0: off.
+  virtual void set_grain_damping(double alpha) = 0;
+
+  // ---- walls; every call returns the wall's number
+  virtual int add_plane(const Plane&, int material) = 0;
+  /// Rigid or deforming surface. two_sided: grains may touch it from either side (the normal is set towards the grain).
+  virtual int add_mesh(const base::Skin&, int material, bool two_sided) = 0;
+  virtual void remove_wall(int wall) = 0;
+  /// Rigid translation with this velocity from now on (planes and meshes).
+  virtual void set_wall_velocity(int wall, Vec3) = 0;
+  /// Nodes of a mesh move linearly, over the next advance(), from where they are to these positions; velocities likewise.
+  virtual void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) = 0;
+  /// Nodal impulse [N s] that the grains passed to the mesh during the last advance(): sum over its steps of
+  /// (nodal force at the step's end) × dt, the contact force carried to the nodes by the facet's shape functions.
+  virtual void nodal_impulse(int wall, std::span<Vec3> impulse) const = 0;
+  /// Sum of the impulses that the grains received from that mesh in the last advance(), counted on the grains' side.
+  virtual Vec3 wall_impulse_on_grains(int wall) const = 0;
+
+  // ---- time
+  /// n velocity-Verlet steps of dt. Throws base::UnstableError (cause, grain id, place, step) when a state is not
+  /// finite or an overlap exceeds Setup::maximum_overlap.
+  virtual void advance(int n, double dt) = 0;
+  virtual double time() const = 0;
+  /// Rayleigh limit over the present grains and materials.
+  virtual StableStep stable_step() const = 0;
+  /// 2/omega_max bound from the live contacts (normal and shear stiffness, damping, grain and wall-node free side).
+  virtual StableStep contact_stable_step() const = 0;
+
+  // ---- measurement (host copies; not for every step)
+  virtual base::Energy energy() const = 0;
+  /// Works and losses start again at zero from here.
+  virtual void reset_energy() = 0;
+  virtual std::vector<GrainContact> grain_contacts() const = 0;
+  virtual std::vector<WallContact> wall_contacts() const = 0;
+  virtual Counts counts() const = 0;
+  virtual Backend backend() const = 0;
+};
+
+/// Number of OMP threads the OMP backend uses from now on.
+void set_threads(int);
+
+}  // namespace dem

@@ -1,0 +1,146 @@
+#pragma once
+// Façade of the finite element library: deformable bodies meshed by gmsh, moved by explicit central difference on PETSc
+// vectors, partitioned over the ranks of one communicator. Knows nothing of scene files or grains. SI; tension positive.
+// Every member is collective over the communicator unless it says otherwise; on an error every rank throws.
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/energy.hpp"
+#include "base/history.hpp"
+#include "base/skin.hpp"
+#include "base/vec3.hpp"
+
+namespace fem {
+
+using base::Vec3;
+
+/// PETSc lives exactly as long as this object. Only ranks with finite elements make one.
+class Library {
+ public:
+  explicit Library(MPI_Comm);
+  ~Library();
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+};
+
+/// Where errors about a body or a region come from, put in front of every message about it ("scene.toml:12").
+using Origin = std::string;
+
+struct MaterialRegion {
+  std::string group;  // physical volume of the mesh; empty: the whole body
+  std::string law = "linear_elastic";
+  double young_modulus = 0, poisson_ratio = 0, density = 0;  // [Pa] [-] [kg/m3]
+  Origin origin;
+};
+
+struct Support {
+  std::string group;                            // physical surface (or curve, point)
+  std::array<bool, 3> fixed{false, false, false};
+  Origin origin;
+};
+
+enum class LoadKind {
+  nodal_total,  // total force [N] shared equally by the nodes of the group
+  face_total,   // total force [N] spread evenly over the area of the group (consistent nodal forces)
+  traction,     // [Pa] on the area of the group
+};
+struct Load {
+  std::string name;  // for history.csv
+  std::string group;
+  LoadKind kind = LoadKind::face_total;
+  Vec3 direction;            // multiplied by the history: force [N] or traction [Pa]
+  base::HistoryPtr history;  // value(t)
+  Origin origin;
+};
+
+struct Body {
+  std::string name;
+  std::string mesh_file;                      // .geo (meshed through gmsh's API) or .msh
+  std::map<std::string, double> mesh_parameters;  // numbers set in the .geo (its DefineConstant / SetNumber names)
+  std::string element = "hex8";               // see element_names(): hex8, hex8_bbar, tet4
+  Vec3 translation;                           // [m] added to every node
+  bool gravity = true;                        // false: starts in geostatic balance, its own weight is left out
+  double damping = 0;                         // [1/s] mass-proportional: force -damping * m * v
+  std::vector<MaterialRegion> materials;
+  std::vector<Support> supports;
+  std::vector<Load> loads;
+  std::vector<std::string> skin;              // physical surfaces that grains can touch; empty: none
+  Origin origin;
+};
+
+struct Setup {
+  std::vector<Body> bodies;
+  Vec3 gravity;
+};
+
+struct StableStep {
+  double limit = 0;     // [s] 2/omega_max of the assembled mesh with lumped mass, never above the true one
+  std::string limiter;  // body, element, size, material, in words
+};
+
+struct BodyCounts {
+  std::string name;
+  std::int64_t nodes = 0, elements = 0;
+  Vec3 lower, upper;    // [m] bounding box
+  double mass = 0;      // [kg]
+};
+
+enum class Quantity { displacement, velocity, acceleration };
+
+class Model {
+ public:
+  static std::unique_ptr<Model> create(MPI_Comm, const Setup&);
+  virtual ~Model() = default;
+
+  virtual std::vector<BodyCounts> counts() const = 0;
+  virtual StableStep stable_step() const = 0;
+
+  // ---- one central-difference step in parts, so that contact forces and inner forces can overlap in time
+  /// v += dt/2 a; u += dt v (v is now the half-step velocity).
+  virtual void predict(double dt) = 0;
+  /// Inner forces and loads at the present displacement and the end-of-step time.
+  virtual void inner_forces() = 0;
+  /// a from inner, load, gravity, damping and skin forces; v += dt/2 a. Time advances by dt.
+  /// Throws base::UnstableError on every rank when the state is not finite.
+  virtual void correct(double dt) = 0;
+  virtual double time() const = 0;
+  virtual void set_damping(const std::string& body, double alpha) = 0;
+  /// Fixes all components of the body's nodes at their present place (velocity zero), or lets it go again.
+  virtual void hold(const std::string& body, bool held) = 0;
+
+  // ---- skins: one per body that has any skin group; node order as in skins()[s].nodes on every rank
+  virtual const std::vector<base::Skin>& skins() const = 0;
+  /// Which nodes of skin s this rank owns (not collective).
+  virtual std::span<const int> owned_skin_nodes(int skin) const = 0;
+  /// Present positions and velocities of the owned skin nodes, in that order (not collective). After predict() the
+  /// velocity is extrapolated to the end of the step (v + dt/2 a), so both belong to the same instant.
+  virtual void skin_state(int skin, std::span<Vec3> positions, std::span<Vec3> velocities) const = 0;
+  /// Forces [N] on the owned skin nodes, held until set again (not collective).
+  virtual void set_skin_forces(int skin, std::span<const Vec3> forces) = 0;
+
+  // ---- measurement
+  virtual base::Energy energy() const = 0;
+  virtual void reset_energy() = 0;
+  /// Mean of the quantity over the nodes of a group of a body (the whole group; equal weights), or at the node nearest to a point.
+  virtual Vec3 probe_group(const std::string& body, const std::string& group, Quantity) const = 0;
+  virtual Vec3 probe_point(const std::string& body, Vec3 point, Quantity) const = 0;
+  /// Present value of a load's history (not collective).
+  virtual double load_value(const std::string& name) const = 0;
+  /// Displacement zero for output and probes from here on (the state itself is untouched).
+  virtual void set_displacement_zero() = 0;
+  /// Appends one time level to DIR/<body>.pvd and writes DIR/<body>/<body>_NNNN.vtu (displacement, velocity, cell stress,
+  /// von Mises, material region) for every body. Throws base::MachineError when the disk fails.
+  virtual void write(const std::string& directory, double time) = 0;
+};
+
+std::vector<std::string> element_names();
+
+}  // namespace fem
