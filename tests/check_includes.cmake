@@ -3,6 +3,7 @@
 # base includes nothing of ours; dem and fem include base and themselves, never each other; coupling includes base,
 # itself, and of dem and fem only the façade headers listed here. Our includes are written "folder/file.hpp" from the
 # source folder; a quoted include of any other form is an error too, since it could hide an arrow.
+cmake_minimum_required(VERSION 3.25)
 set(allowed_base base)
 set(allowed_dem base dem)
 set(allowed_fem base fem)

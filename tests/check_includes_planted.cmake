@@ -1,5 +1,6 @@
 # Runs the include check on a tree that breaks each rule once and expects it to fail and to name every breach.
 #   cmake -DROOT=<scratch folder> -DCHECK=<check_includes.cmake> -P check_includes_planted.cmake
+cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${ROOT})
 
 # A good tree passes.

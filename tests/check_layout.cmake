@@ -1,5 +1,6 @@
 # Only the agreed entries stand at the top of the repository.
 #   cmake -DROOT=<source folder> -DGIT=<git> -P check_layout.cmake
+cmake_minimum_required(VERSION 3.25)
 set(agreed CMakeLists.txt CMakePresets.json README.md LICENSE CHANGELOG.md CONTRIBUTING.md trackbed base dem fem coupling
   meshes tests configs docs .ci .clang-format .gitignore)
 # Not a git checkout (a source archive): nothing to look at.
