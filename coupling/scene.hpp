@@ -120,7 +120,7 @@ struct Probe {
 struct Result {
   std::string name;
   std::string probe;
-  std::string take = "last";           // first | last | min | max | max_abs | mean | range | frequency | ratio
+  std::string take = "last";           // first | last | min | max | rise | max_abs | mean | range | frequency | ratio
   std::string over;                    // for ratio: max|probe| / max|over|
   double scale = 1;
   std::string unit;

@@ -1,0 +1,199 @@
+#include "coupling/exchange.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "base/error.hpp"
+
+namespace coupling {
+
+namespace {
+
+constexpr int skin_tag = 11, force_tag = 12;
+constexpr std::size_t skin_header = 4;   // status, sum of applied nodal forces
+constexpr std::size_t force_header = 1;  // status
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& total) : total_(total) {}
+  ~Stopwatch() { total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  double& total_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void broadcast(std::vector<int>& values, int root, MPI_Comm communicator) {
+  int count = static_cast<int>(values.size());
+  MPI_Bcast(&count, 1, MPI_INT, root, communicator);
+  values.resize(static_cast<std::size_t>(count));
+  MPI_Bcast(values.data(), count, MPI_INT, root, communicator);
+}
+
+void broadcast(base::Skin& skin, int root, MPI_Comm communicator) {
+  int sizes[3] = {static_cast<int>(skin.body.size()), static_cast<int>(skin.nodes.size()),
+                  static_cast<int>(skin.facets.size())};
+  MPI_Bcast(sizes, 3, MPI_INT, root, communicator);
+  skin.body.resize(static_cast<std::size_t>(sizes[0]));
+  skin.nodes.resize(static_cast<std::size_t>(sizes[1]));
+  skin.facets.resize(static_cast<std::size_t>(sizes[2]));
+  MPI_Bcast(skin.body.data(), sizes[0], MPI_CHAR, root, communicator);
+  MPI_Bcast(skin.nodes.data(), 3 * sizes[1], MPI_DOUBLE, root, communicator);
+  MPI_Bcast(skin.facets.data(), 4 * sizes[2], MPI_INT, root, communicator);
+}
+
+std::size_t node_count(const std::vector<std::vector<int>>& nodes) {
+  std::size_t count = 0;
+  for (const auto& list : nodes) count += list.size();
+  return count;
+}
+
+}  // namespace
+
+double wait_politely(MPI_Request& request) {
+  const auto start = std::chrono::steady_clock::now();
+  int done = 0;
+  for (int tries = 0; !done; ++tries) {
+    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+    // A short spin catches a message that is already under way; after that the core goes to whoever has work.
+    if (!done && tries > 200) std::this_thread::sleep_for(std::chrono::microseconds(20));
+  }
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Exchange::Exchange(const Roles& roles, const fem::Model* model) : roles_(roles) {
+  if (model) skins_ = model->skins();
+  int count = static_cast<int>(skins_.size());
+  MPI_Bcast(&count, 1, MPI_INT, roles.first_fem_rank, roles.world);
+  skins_.resize(static_cast<std::size_t>(count));
+  for (auto& skin : skins_) broadcast(skin, roles.first_fem_rank, roles.world);
+  for (int peer = 0; peer < roles.fem_ranks; ++peer) {
+    Peer owner;
+    owner.rank = roles.first_fem_rank + peer;
+    for (int s = 0; s < count; ++s) {
+      std::vector<int> owned;
+      if (model && roles.rank == owner.rank) {
+        const auto mine = model->owned_skin_nodes(s);
+        owned.assign(mine.begin(), mine.end());
+      }
+      broadcast(owned, owner.rank, roles.world);
+      owner.nodes.push_back(std::move(owned));
+    }
+    const std::size_t nodes = node_count(owner.nodes);
+    if (roles.is_fem && roles.rank == owner.rank) {
+      dem_peer_ = owner;
+      dem_peer_.rank = roles.dem_rank;
+      dem_peer_.out.resize(skin_header + 6 * nodes);
+      dem_peer_.in.resize(force_header + 3 * nodes);
+    }
+    owner.in.resize(skin_header + 6 * nodes);
+    owner.out.resize(force_header + 3 * nodes);
+    if (roles.is_dem) fem_peers_.push_back(std::move(owner));
+  }
+  if (roles.is_dem)
+    for (const auto& skin : skins_) {
+      positions_.push_back(skin.nodes);
+      velocities_.emplace_back(skin.nodes.size());
+      forces_.emplace_back(skin.nodes.size());
+    }
+}
+
+void Exchange::send_skins(const fem::Model& model, double ahead, bool failed) {
+  Stopwatch watch(seconds_);
+  auto& out = dem_peer_.out;
+  out[0] = failed ? 1 : 0;
+  for (int d = 0; d < 3; ++d) out[static_cast<std::size_t>(1 + d)] = applied_[d];
+  double* value = out.data() + skin_header;
+  for (std::size_t s = 0; s < skins_.size(); ++s) {
+    const std::size_t n = dem_peer_.nodes[s].size();
+    local_positions_.resize(n);
+    local_velocities_.resize(n);
+    model.skin_state(static_cast<int>(s), local_positions_, local_velocities_);
+    for (std::size_t i = 0; i < n; ++i, value += 6)
+      for (int d = 0; d < 3; ++d) {
+        value[d] = local_positions_[i][d] + ahead * local_velocities_[i][d];
+        value[3 + d] = local_velocities_[i][d];
+      }
+  }
+  MPI_Isend(out.data(), static_cast<int>(out.size()), MPI_DOUBLE, dem_peer_.rank, skin_tag, roles_.world,
+            &dem_peer_.out_request);
+}
+
+bool Exchange::receive_skins(dem::Simulation& grains, std::span<const int> walls) {
+  for (auto& peer : fem_peers_)
+    MPI_Irecv(peer.in.data(), static_cast<int>(peer.in.size()), MPI_DOUBLE, peer.rank, skin_tag, roles_.world,
+              &peer.in_request);
+  bool sound = true;
+  base::Vec3 applied;
+  for (auto& peer : fem_peers_) {
+    waited_ += wait_politely(peer.in_request);
+    Stopwatch watch(seconds_);
+    sound = sound && peer.in[0] == 0;
+    for (int d = 0; d < 3; ++d) applied[d] += peer.in[static_cast<std::size_t>(1 + d)];
+    const double* value = peer.in.data() + skin_header;
+    for (std::size_t s = 0; s < skins_.size(); ++s)
+      for (const int node : peer.nodes[s]) {
+        positions_[s][static_cast<std::size_t>(node)] = {value[0], value[1], value[2]};
+        velocities_[s][static_cast<std::size_t>(node)] = {value[3], value[4], value[5]};
+        value += 6;
+      }
+  }
+  Stopwatch watch(seconds_);
+  if (given_sum_ > 0) momentum_error_ = std::max(momentum_error_, base::norm(applied * window_ + given_) / given_sum_);
+  if (sound)
+    for (std::size_t s = 0; s < skins_.size(); ++s) grains.set_mesh_target(walls[s], positions_[s], velocities_[s]);
+  return sound;
+}
+
+void Exchange::send_forces(const dem::Simulation& grains, std::span<const int> walls, double window, bool failed) {
+  Stopwatch watch(seconds_);
+  window_ = window;
+  given_ = {};
+  given_sum_ = 0;
+  for (std::size_t s = 0; s < skins_.size(); ++s) {
+    if (failed) break;
+    grains.nodal_impulse(walls[s], forces_[s]);
+    given_ += grains.wall_impulse_on_grains(walls[s]);
+    for (auto& force : forces_[s]) {
+      given_sum_ += base::norm(force);
+      force *= 1.0 / window;
+    }
+  }
+  for (auto& peer : fem_peers_) {
+    peer.out[0] = failed ? 1 : 0;
+    double* value = peer.out.data() + force_header;
+    for (std::size_t s = 0; s < skins_.size(); ++s)
+      for (const int node : peer.nodes[s])
+        for (int d = 0; d < 3; ++d) *value++ = forces_[s][static_cast<std::size_t>(node)][d];
+    MPI_Isend(peer.out.data(), static_cast<int>(peer.out.size()), MPI_DOUBLE, peer.rank, force_tag, roles_.world,
+              &peer.out_request);
+  }
+}
+
+bool Exchange::receive_forces(fem::Model& model) {
+  MPI_Irecv(dem_peer_.in.data(), static_cast<int>(dem_peer_.in.size()), MPI_DOUBLE, dem_peer_.rank, force_tag,
+            roles_.world, &dem_peer_.in_request);
+  waited_ += wait_politely(dem_peer_.in_request);
+  Stopwatch watch(seconds_);
+  if (dem_peer_.in[0] != 0) return false;
+  applied_ = {};
+  const double* value = dem_peer_.in.data() + force_header;
+  for (std::size_t s = 0; s < skins_.size(); ++s) {
+    local_forces_.clear();
+    for (std::size_t i = 0; i < dem_peer_.nodes[s].size(); ++i, value += 3) {
+      local_forces_.push_back({value[0], value[1], value[2]});
+      applied_ += local_forces_.back();
+    }
+    model.set_skin_forces(static_cast<int>(s), local_forces_);
+  }
+  return true;
+}
+
+void Exchange::finish_window() {
+  if (dem_peer_.out_request != MPI_REQUEST_NULL) waited_ += wait_politely(dem_peer_.out_request);
+  for (auto& peer : fem_peers_)
+    if (peer.out_request != MPI_REQUEST_NULL) waited_ += wait_politely(peer.out_request);
+}
+
+}  // namespace coupling

@@ -1,0 +1,71 @@
+#pragma once
+// The messages of a coupling window between the DEM rank and the FEM ranks (also within one process, by messages to
+// itself): skin states one way, nodal forces the other. Each FEM rank sends and gets only the skin nodes it owns.
+// Both messages start with a status word, so that a failure on one side stops the other instead of hanging it; who failed
+// and why is told by agree() after the loop.
+#include <mpi.h>
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "base/skin.hpp"
+#include "coupling/roles.hpp"
+#include "dem/dem.hpp"
+#include "fem/fem.hpp"
+
+namespace coupling {
+
+/// Waits for a message without burning the core that the other side may need. Returns the seconds waited.
+double wait_politely(MPI_Request& request);
+
+class Exchange {
+ public:
+  /// Collective over the world: tells the DEM rank every skin and who owns which node. `model` is null off the FEM ranks.
+  Exchange(const Roles&, const fem::Model* model);
+
+  /// The skins, on every rank.
+  const std::vector<base::Skin>& skins() const { return skins_; }
+
+  // ---- FEM side
+  /// Sends positions and velocities of the owned nodes at the window's end: as they are after predict() (ahead = 0), or
+  /// extrapolated with the present velocity over `ahead` seconds.
+  void send_skins(const fem::Model&, double ahead, bool failed);
+  /// Takes the nodal forces. False when the DEM side has failed.
+  bool receive_forces(fem::Model&);
+
+  // ---- DEM side
+  /// Takes the skin states into the DEM's meshes `walls[s]`. False when the FEM side has failed.
+  bool receive_skins(dem::Simulation&, std::span<const int> walls);
+  /// Sends nodal forces = impulse / window.
+  void send_forces(const dem::Simulation&, std::span<const int> walls, double window, bool failed);
+  /// Ends the sends of this window; call once per window on every rank.
+  void finish_window();
+
+  /// Largest |impulse given + impulse taken| / sum |nodal impulse| over the windows closed so far (DEM rank).
+  double momentum_error() const { return momentum_error_; }
+  double seconds() const { return seconds_; }        // [s] packing, posting, unpacking
+  double seconds_waited() const { return waited_; }  // [s] waiting for the other side
+
+ private:
+  struct Peer {
+    int rank = 0;                          // world rank
+    std::vector<std::vector<int>> nodes;   // per skin: owned skin nodes
+    std::vector<double> out, in;
+    MPI_Request out_request = MPI_REQUEST_NULL, in_request = MPI_REQUEST_NULL;
+  };
+
+  const Roles& roles_;
+  std::vector<base::Skin> skins_;
+  std::vector<Peer> fem_peers_;  // on the DEM rank: one per FEM rank
+  Peer dem_peer_;                // on a FEM rank
+  std::vector<std::vector<base::Vec3>> positions_, velocities_, forces_;  // per skin, whole
+  std::vector<base::Vec3> local_positions_, local_velocities_, local_forces_;
+  base::Vec3 applied_;           // [N] sum of the nodal forces this FEM rank applied in the window before
+  base::Vec3 given_;             // [N s] impulse on the grains in the window before (DEM rank)
+  double given_sum_ = 0;         // [N s] sum of |nodal impulse| in the window before
+  double window_ = 0;
+  double momentum_error_ = 0, seconds_ = 0, waited_ = 0;
+};
+
+}  // namespace coupling

@@ -1,0 +1,97 @@
+#include "coupling/results.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/error.hpp"
+#include "base/quantity.hpp"
+
+namespace coupling {
+
+namespace {
+
+double frequency(std::span<const double> time, std::span<const double> values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const double level = (*low + *high) / 2;
+  double first = 0, last = 0;
+  int crossings = 0;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i - 1] < level && values[i] >= level) {
+      last = time[i - 1] + (level - values[i - 1]) / (values[i] - values[i - 1]) * (time[i] - time[i - 1]);
+      if (crossings++ == 0) first = last;
+    }
+  return crossings > 1 ? (crossings - 1) / (last - first) : std::nan("");
+}
+
+double largest_magnitude(std::span<const double> values) {
+  double largest = 0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+std::size_t probe_index(const Scene& scene, const std::string& name) {
+  for (std::size_t p = 0; p < scene.probes.size(); ++p)
+    if (scene.probes[p].name == name) return p;
+  throw base::InternalError("result of an unknown probe");
+}
+
+}  // namespace
+
+double take(const std::string& how, std::span<const double> time, std::span<const double> values,
+            std::span<const double> over) {
+  if (values.empty()) return std::nan("");
+  if (how == "first") return values.front();
+  if (how == "last") return values.back();
+  if (how == "min") return *std::min_element(values.begin(), values.end());
+  if (how == "max") return *std::max_element(values.begin(), values.end());
+  if (how == "rise") return *std::max_element(values.begin(), values.end()) - values.front();
+  if (how == "max_abs") return largest_magnitude(values);
+  if (how == "mean") return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  if (how == "range")
+    return *std::max_element(values.begin(), values.end()) - *std::min_element(values.begin(), values.end());
+  if (how == "frequency") return frequency(time, values);
+  if (how == "ratio") return largest_magnitude(values) / largest_magnitude(over);
+  throw base::InternalError("unknown way to take a result");
+}
+
+std::vector<Outcome> evaluate(const Scene& scene, const Series& series) {
+  std::vector<Outcome> outcomes;
+  for (const auto& result : scene.results) {
+    const auto& values = series.columns[probe_index(scene, result.probe)];
+    const auto& over = result.over.empty() ? values : series.columns[probe_index(scene, result.over)];
+    const double value = result.scale * take(result.take, series.time, values, over);
+    Outcome outcome;
+    outcome.result = &result;
+    outcome.value = value / base::unit_factor(result.unit);
+    if (result.expected && *result.expected != 0) outcome.relative_error = value / *result.expected - 1;
+    if (result.expected_range)
+      outcome.within = value >= (*result.expected_range)[0] && value <= (*result.expected_range)[1];
+    outcomes.push_back(outcome);
+  }
+  return outcomes;
+}
+
+std::string table(std::span<const Outcome> outcomes) {
+  if (outcomes.empty()) return {};
+  std::size_t width = 6;
+  for (const auto& outcome : outcomes) width = std::max(width, outcome.result->name.size());
+  std::string text = fmt::format("{:<{}}  {:>12} {:<8} {:<22} {}\n", "result", width, "value", "unit", "expected", "source");
+  for (const auto& outcome : outcomes) {
+    const auto& result = *outcome.result;
+    const double factor = base::unit_factor(result.unit);
+    std::string expected = "-";
+    if (outcome.relative_error)
+      expected = fmt::format("{:.5g} ({:+.2f} %)", *result.expected / factor, 100 * *outcome.relative_error);
+    if (outcome.within)
+      expected = fmt::format("{:.4g} .. {:.4g} ({})", (*result.expected_range)[0] / factor,
+                             (*result.expected_range)[1] / factor, *outcome.within ? "within" : "OUTSIDE");
+    text += fmt::format("{:<{}}  {:>12.5g} {:<8} {:<22} {}\n", result.name, width, outcome.value,
+                        result.unit.empty() ? "-" : result.unit, expected, result.source);
+  }
+  return text;
+}
+
+}  // namespace coupling

@@ -1,0 +1,94 @@
+#include "coupling/run.hpp"
+
+#include <fmt/core.h>
+#include <mpi.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "coupling/agree.hpp"
+#include "coupling/run_directory.hpp"
+#include "coupling/run_loop.hpp"
+#include "coupling/setup.hpp"
+#include "coupling/summary.hpp"
+
+namespace coupling {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The log: standard output and run.log on the root, silence elsewhere.
+void open_log(bool root, const fs::path& directory) {
+  if (!root) {
+    spdlog::set_level(spdlog::level::off);
+    return;
+  }
+  auto screen = std::make_shared<spdlog::sinks::stdout_sink_mt>();
+  screen->set_pattern("%v");
+  auto file = std::make_shared<spdlog::sinks::basic_file_sink_mt>((directory / "run.log").string(), true);
+  file->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
+  auto logger = std::make_shared<spdlog::logger>("run", spdlog::sinks_init_list{screen, file});
+  logger->flush_on(spdlog::level::info);
+  spdlog::set_default_logger(logger);
+}
+
+const char* status_word(Failure kind) {
+  return kind == Failure::none ? "completed" : kind == Failure::unstable ? "unstable" : "failed";
+}
+
+void finish(const Setup& setup, const fs::path& directory, const FailureText& failure, Summary& summary,
+            const Series& series) {
+  const auto outcomes = failure.kind == Failure::none ? evaluate(setup.scene, series) : std::vector<Outcome>{};
+  summary.status = status_word(failure.kind);
+  summary.message = failure.text;
+  write_file(directory / "summary.json", to_json(summary, outcomes));
+  if (failure.kind != Failure::none) return;
+  if (!outcomes.empty()) spdlog::info("\n{}", table(outcomes));
+  if (summary.measured) {
+    spdlog::info("energy error {:.3g} of the work done, momentum error {:.2g} of the impulse passed",
+                 summary.ledger.relative_error(), summary.momentum_error);
+  }
+  spdlog::info("{:.4g} s simulated in {:.1f} s; results in {}", summary.time_simulated, summary.wall, directory.string());
+}
+
+}  // namespace
+
+void run(const RunOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  Setup setup(MPI_COMM_WORLD, options);
+  const Roles& roles = *setup.roles;
+  const fs::path directory = options.out.value_or(fs::path("runs") / options.scene.stem());
+  agree(roles.world, [&] {
+    if (roles.is_root()) {
+      make_run_directory(directory, options.overwrite);
+      write_file(directory / "scene.resolved.toml", setup.scene.resolved_toml);
+    }
+  });
+  open_log(roles.is_root(), directory);
+  spdlog::info("{}", setup.scene.title);
+
+  Summary summary;
+  Series series;
+  const FailureText failure = caught([&] {
+    setup.place_grains(summary);
+    RunLoop loop(setup, directory, summary, series);
+    loop.run(options.until);
+  });
+  summary.wall = elapsed();
+  const FailureText written = caught([&] {
+    agree(roles.world, [&] {
+      if (roles.is_root()) finish(setup, directory, failure, summary, series);
+    });
+  });
+  if (roles.is_root()) spdlog::default_logger()->flush();
+  raise(failure);
+  raise(written);
+}
+
+}  // namespace coupling

@@ -1,0 +1,48 @@
+#pragma once
+// Probes and energy ledgers of both sides, sampled at an instant and brought to the root rank.
+#include <span>
+#include <string>
+#include <vector>
+
+#include "coupling/exchange.hpp"
+#include "coupling/ledger.hpp"
+#include "coupling/roles.hpp"
+#include "coupling/scene.hpp"
+
+namespace coupling {
+
+class Sampler {
+ public:
+  /// `grains` is null off the DEM rank, `bodies` off the FEM ranks; `walls[s]` is the DEM's number of skin s,
+  /// `named_walls` that of each scene wall.
+  Sampler(const Roles&, const Scene&, dem::Simulation* grains, fem::Model* bodies,
+          const std::vector<base::Skin>& skins, std::vector<int> walls, std::vector<int> named_walls);
+
+  struct Sample {
+    std::vector<double> probes;  // in the scene's order, SI
+    Sides energy;
+  };
+  /// Collective over the world; the answer is whole on the root only. Lattice and list probes (porosity, coordination)
+  /// cost more than a step: they are taken afresh only if `thorough`, and keep their last value otherwise.
+  Sample sample(bool thorough);
+
+ private:
+  double grain_probe(const Probe&) const;
+  double body_probe(const Probe&) const;
+  double contact_force(const Probe&) const;
+  const dem::Grain& grain(std::int64_t id) const;
+
+  const Roles& roles_;
+  const Scene& scene_;
+  dem::Simulation* grains_;
+  fem::Model* bodies_;
+  const std::vector<base::Skin>& skins_;
+  std::vector<int> walls_, named_walls_;
+  std::vector<double> kept_;  // last values
+  // copies made once per sample and only when a probe asks for them
+  mutable std::vector<dem::Grain> grain_list_;
+  mutable std::vector<dem::WallContact> wall_contacts_;
+  mutable bool have_grains_ = false, have_wall_contacts_ = false;
+};
+
+}  // namespace coupling

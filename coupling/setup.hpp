@@ -1,0 +1,51 @@
+#pragma once
+// From a scene file to the two sides ready to step: everything that can be refused is refused here, before anything is
+// written.
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "coupling/exchange.hpp"
+#include "coupling/roles.hpp"
+#include "coupling/run.hpp"
+#include "coupling/scene.hpp"
+#include "coupling/summary.hpp"
+#include "coupling/window.hpp"
+
+namespace coupling {
+
+class Setup {
+ public:
+  /// Reads and checks the scene, splits the ranks, meshes the bodies. Collective; throws the same error on every rank.
+  Setup(MPI_Comm world, const RunOptions&);
+  ~Setup();
+  Setup(const Setup&) = delete;
+  Setup& operator=(const Setup&) = delete;
+
+  /// Packs or places the grains, adds the walls, chooses the steps. Collective.
+  void place_grains(Summary&);
+
+  Scene scene;
+  RunOptions options;
+  std::unique_ptr<Roles> roles;
+  std::unique_ptr<fem::Library> library;      // FEM ranks
+  std::unique_ptr<fem::Model> bodies;         // FEM ranks
+  std::unique_ptr<Exchange> exchange;         // coupled scenes
+  std::unique_ptr<dem::Simulation> grains;    // DEM rank
+  dem::Backend backend = dem::Backend::omp;
+  int threads = 1;
+  std::vector<base::Skin> skins;              // every rank
+  std::vector<int> skin_walls;                // DEM rank: wall number of each skin
+  std::vector<int> named_walls;               // DEM rank: wall number of each scene wall, -1 for packing-only ones
+  std::vector<fem::BodyCounts> body_counts;   // FEM ranks
+  fem::StableStep fem_limit;                  // every rank
+  dem::StableStep dem_limit;                  // DEM rank
+  Window window;                              // every rank
+
+ private:
+  void choose_backend();
+  void add_walls();
+  void choose_window();
+};
+
+}  // namespace coupling

@@ -1,0 +1,109 @@
+#include "coupling/summary.hpp"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/quantity.hpp"
+#include "base/version.hpp"
+
+namespace coupling {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json energy_json(const Ledger& ledger) {
+  const auto& grains = ledger.last().grains;
+  const auto& bodies = ledger.last().bodies;
+  Json json;
+  json["kinetic"] = number(grains.kinetic + bodies.kinetic);
+  json["elastic_normal"] = number(grains.elastic_normal);
+  json["elastic_shear"] = number(grains.elastic_shear);
+  json["strain"] = number(bodies.strain);
+  json["work_gravity"] = number(grains.work_gravity + bodies.work_gravity);
+  json["work_loads"] = number(bodies.work_loads);
+  json["work_walls"] = number(grains.work_walls);
+  json["interface_seen_by_grains"] = number(grains.work_interface);
+  json["interface_seen_by_bodies"] = number(bodies.work_interface);
+  json["loss_friction"] = number(grains.loss_friction);
+  json["loss_contact_damping"] = number(grains.loss_contact_damping);
+  json["loss_rolling"] = number(grains.loss_rolling);
+  json["loss_damping"] = number(grains.loss_damping + bodies.loss_damping);
+  json["residual"] = number(ledger.residual());
+  json["external_work"] = number(ledger.external_work());
+  json["relative_error"] = number(ledger.relative_error());
+  return json;
+}
+
+Json results_json(std::span<const Outcome> outcomes) {
+  Json json = Json::object();
+  for (const auto& outcome : outcomes) {
+    const auto& result = *outcome.result;
+    const double factor = base::unit_factor(result.unit);
+    Json entry{{"value", number(outcome.value)}, {"unit", result.unit}};
+    if (result.expected) entry["expected"] = *result.expected / factor;
+    if (result.expected_range)
+      entry["expected_range"] = {(*result.expected_range)[0] / factor, (*result.expected_range)[1] / factor};
+    if (!result.source.empty()) entry["source"] = result.source;
+    if (outcome.relative_error) entry["relative_error"] = number(*outcome.relative_error);
+    if (outcome.within) entry["within"] = *outcome.within;
+    json[result.name] = entry;
+  }
+  return json;
+}
+
+std::string host() {
+  char name[256] = "";
+  gethostname(name, sizeof name - 1);
+  return name;
+}
+
+}  // namespace
+
+std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
+  Json json;
+  json["scene"] = run.scene;
+  json["title"] = run.title;
+  json["code_version"] = base::code_version();
+  json["host"] = host();
+  json["status"] = run.status;
+  if (!run.message.empty()) json["message"] = run.message;
+  json["time_simulated_s"] = run.time_simulated;
+  json["wall_s"] = run.wall;
+  json["ranks"] = run.ranks;
+  json["threads"] = run.threads;
+  json["backend"] = run.backend;
+  json["precision"] = "double";
+  json["grains"] = run.grains;
+  json["spheres"] = run.grains;
+  json["elements"] = run.elements;
+  json["steps"] = {{"dem", run.dem_steps}, {"fem", run.fem_steps}, {"windows", run.windows}};
+  json["dt_s"] = {{"dem", run.dem_dt}, {"fem", run.fem_dt}};
+  json["dt_limiter"] = {{"dem", run.dem_limiter}, {"fem", run.fem_limiter}, {"coupling", run.coupling_limiter}};
+  const auto rate = [&](double amount, const char* side) {
+    const auto spent = run.seconds.find(side);
+    return spent != run.seconds.end() && spent->second > 0 ? amount / spent->second : 0.0;
+  };
+  json["throughput"] = {
+      {"sphere_steps_per_s", rate(static_cast<double>(run.grains) * static_cast<double>(run.dem_steps), "dem")},
+      {"element_steps_per_s", rate(static_cast<double>(run.elements) * static_cast<double>(run.fem_steps), "fem")}};
+  Json share = Json::object();
+  for (const auto& [name, seconds] : run.seconds) share[name] = run.wall > 0 ? seconds / run.wall : 0.0;
+  json["wall_share"] = share;
+  if (run.packed)
+    json["packing"] = {{"wall_s", run.packing_wall},
+                       {"from_cache", run.packing_from_cache},
+                       {"porosity", run.porosity},
+                       {"coordination", run.coordination}};
+  if (run.dem_bytes > 0) json["dem_bytes"] = run.dem_bytes;
+  if (run.measured) json["energy"] = energy_json(run.ledger);
+  json["momentum_error"] = number(run.momentum_error);
+  json["results"] = results_json(outcomes);
+  return json.dump(2) + "\n";
+}
+
+}  // namespace coupling
