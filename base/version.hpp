@@ -1,12 +1,11 @@
 #pragma once
-// Which code this is. Written into every run directory.
+// Which code this is: printed by `trackbed --version` and written into every run directory.
 #include <string_view>
 
 namespace base {
 
-/// "0.1.0"
-std::string_view version();
-/// Git commit, shortened; "-dirty" at its end when files differ from it; "unknown" outside a git checkout.
-std::string_view commit();
+/// Version and git commit, "0.1.0 (0123456789ab)". The commit ends in "-dirty" when files differ from it, and is
+/// "unknown" outside a git checkout.
+std::string_view code_version();
 
 }  // namespace base
