@@ -5,18 +5,18 @@
 namespace base {
 
 struct Energy {
-  double kinetic = 0;          // [J] stored: translation and rotation
-  double elastic_normal = 0;   // [J] stored in contacts, normal (DEM)
-  double elastic_shear = 0;    // [J] stored in contacts, tangential (DEM)
-  double strain = 0;           // [J] stored in elements (FEM)
-  double work_gravity = 0;     // [J] work of gravity since reset
-  double work_loads = 0;       // [J] work of external loads and prescribed motion since reset (FEM)
-  double work_walls = 0;       // [J] work of moving rigid walls on the grains since reset (DEM)
-  double work_interface = 0;   // [J] work received through the grain-skin interface since reset, as this side sees it
-  double loss_friction = 0;    // [J] Coulomb slip and the elastic shear energy that the Mindlin rescaling gives up (DEM)
+  double kinetic = 0;         // [J] stored: translation and rotation
+  double elastic_normal = 0;  // [J] stored in contacts, normal (DEM)
+  double elastic_shear = 0;   // [J] stored in contacts, tangential (DEM)
+  double strain = 0;          // [J] stored in elements (FEM)
+  double work_gravity = 0;    // [J] work of gravity since reset
+  double work_loads = 0;      // [J] work of external loads and prescribed motion since reset (FEM)
+  double work_walls = 0;      // [J] work of moving rigid walls on the grains since reset (DEM)
+  double work_interface = 0;  // [J] work received through the grain-skin interface since reset, as this side sees it
+  double loss_friction = 0;   // [J] Coulomb slip and the elastic shear energy that the Mindlin rescaling gives up (DEM)
   double loss_contact_damping = 0;  // [J] contact dashpots, normal and tangential (DEM)
-  double loss_rolling = 0;     // [J] rolling resistance (DEM)
-  double loss_damping = 0;     // [J] mass-proportional damping, of grains or of bodies
+  double loss_rolling = 0;          // [J] rolling resistance (DEM)
+  double loss_damping = 0;          // [J] mass-proportional damping, of grains or of bodies
 
   double stored() const { return kinetic + elastic_normal + elastic_shear + strain; }
   double works() const { return work_gravity + work_loads + work_walls + work_interface; }

@@ -11,9 +11,9 @@
 namespace base {
 
 struct Skin {
-  std::string body;                          // name of the body it belongs to
-  std::vector<Vec3> nodes;                   // [m] reference positions
-  std::vector<std::array<int, 4>> facets;    // skin node numbers; [3] = -1 for a triangle
+  std::string body;                        // name of the body it belongs to
+  std::vector<Vec3> nodes;                 // [m] reference positions
+  std::vector<std::array<int, 4>> facets;  // skin node numbers; [3] = -1 for a triangle
 };
 
 }  // namespace base
