@@ -1,7 +1,8 @@
 #include "coupling/agree.hpp"
 
+#include <chrono>
 #include <new>
-#include <vector>
+#include <thread>
 
 #include "base/error.hpp"
 
@@ -39,6 +40,17 @@ void raise(const FailureText& failure) {
   }
 }
 
+double wait_politely(MPI_Request& request) {
+  const auto start = std::chrono::steady_clock::now();
+  int done = 0;
+  for (int tries = 0; !done; ++tries) {
+    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+    // A short spin catches a message that is already under way; after that the core goes to whoever has work.
+    if (!done && tries > 200) std::this_thread::sleep_for(std::chrono::microseconds(20));
+  }
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 void agree(MPI_Comm communicator, const std::function<void()>& work) {
   FailureText failure = caught(work);
   int rank = 0, size = 1;
@@ -46,7 +58,10 @@ void agree(MPI_Comm communicator, const std::function<void()>& work) {
   MPI_Comm_size(communicator, &size);
   const int mine = failure.kind == Failure::none ? size : rank;
   int first = size;
-  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, communicator);
+  // One rank may be packing grains for minutes: the others must not burn its cores while they wait.
+  MPI_Request request;
+  MPI_Iallreduce(&mine, &first, 1, MPI_INT, MPI_MIN, communicator, &request);
+  wait_politely(request);
   if (first == size) return;
   int header[2] = {static_cast<int>(failure.kind), static_cast<int>(failure.text.size())};
   MPI_Bcast(header, 2, MPI_INT, first, communicator);

@@ -22,4 +22,7 @@ void raise(const FailureText& failure);
 /// failing rank. `work` must not leave other ranks waiting inside it when it throws. Collective.
 void agree(MPI_Comm communicator, const std::function<void()>& work);
 
+/// Waits for a message without burning the core that the other side may need. Returns the seconds waited.
+double wait_politely(MPI_Request& request);
+
 }  // namespace coupling

@@ -2,9 +2,8 @@
 
 #include <chrono>
 #include <cmath>
-#include <thread>
 
-#include "base/error.hpp"
+#include "coupling/agree.hpp"
 
 namespace coupling {
 
@@ -50,17 +49,6 @@ std::size_t node_count(const std::vector<std::vector<int>>& nodes) {
 }
 
 }  // namespace
-
-double wait_politely(MPI_Request& request) {
-  const auto start = std::chrono::steady_clock::now();
-  int done = 0;
-  for (int tries = 0; !done; ++tries) {
-    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
-    // A short spin catches a message that is already under way; after that the core goes to whoever has work.
-    if (!done && tries > 200) std::this_thread::sleep_for(std::chrono::microseconds(20));
-  }
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 Exchange::Exchange(const Roles& roles, const fem::Model* model) : roles_(roles) {
   if (model) skins_ = model->skins();

@@ -16,9 +16,6 @@
 
 namespace coupling {
 
-/// Waits for a message without burning the core that the other side may need. Returns the seconds waited.
-double wait_politely(MPI_Request& request);
-
 class Exchange {
  public:
   /// Collective over the world: tells the DEM rank every skin and who owns which node. `model` is null off the FEM ranks.

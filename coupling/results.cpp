@@ -65,7 +65,7 @@ std::vector<Outcome> evaluate(const Scene& scene, const Series& series) {
     const double value = result.scale * take(result.take, series.time, values, over);
     Outcome outcome;
     outcome.result = &result;
-    outcome.value = value / base::unit_factor(result.unit);
+    outcome.value = value / base::parse_unit(result.unit).to_si(1);
     if (result.expected && *result.expected != 0) outcome.relative_error = value / *result.expected - 1;
     if (result.expected_range)
       outcome.within = value >= (*result.expected_range)[0] && value <= (*result.expected_range)[1];
@@ -81,7 +81,7 @@ std::string table(std::span<const Outcome> outcomes) {
   std::string text = fmt::format("{:<{}}  {:>12} {:<8} {:<22} {}\n", "result", width, "value", "unit", "expected", "source");
   for (const auto& outcome : outcomes) {
     const auto& result = *outcome.result;
-    const double factor = base::unit_factor(result.unit);
+    const double factor = base::parse_unit(result.unit).to_si(1);
     std::string expected = "-";
     if (outcome.relative_error)
       expected = fmt::format("{:.5g} ({:+.2f} %)", *result.expected / factor, 100 * *outcome.relative_error);

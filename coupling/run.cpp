@@ -11,7 +11,7 @@
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
-#include "coupling/run_directory.hpp"
+#include "coupling/run_files.hpp"
 #include "coupling/run_loop.hpp"
 #include "coupling/setup.hpp"
 #include "coupling/summary.hpp"

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "base/error.hpp"
+#include "coupling/agree.hpp"
 #include "coupling/measure.hpp"
 
 namespace coupling {

@@ -43,7 +43,7 @@ Json results_json(std::span<const Outcome> outcomes) {
   Json json = Json::object();
   for (const auto& outcome : outcomes) {
     const auto& result = *outcome.result;
-    const double factor = base::unit_factor(result.unit);
+    const double factor = base::parse_unit(result.unit).to_si(1);
     Json entry{{"value", number(outcome.value)}, {"unit", result.unit}};
     if (result.expected) entry["expected"] = *result.expected / factor;
     if (result.expected_range)
@@ -68,7 +68,7 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
   Json json;
   json["scene"] = run.scene;
   json["title"] = run.title;
-  json["code_version"] = base::code_version();
+  json["code_version"] = std::string(base::code_version());
   json["host"] = host();
   json["status"] = run.status;
   if (!run.message.empty()) json["message"] = run.message;

@@ -1,0 +1,312 @@
+#include "coupling/run_loop.hpp"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/error.hpp"
+
+namespace coupling {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// Runs work, books its time.
+FailureText timed(double& seconds, const std::function<void()>& work) {
+  const auto start = Clock::now();
+  FailureText failure = caught(work);
+  seconds += seconds_since(start);
+  return failure;
+}
+
+std::vector<std::string> history_columns(const Scene& scene) {
+  std::vector<std::string> columns{"time [s]", "stage [-]"};
+  for (const auto& probe : scene.probes)
+    columns.push_back(fmt::format("{} [{}]", probe.name, probe.unit.empty() ? "-" : probe.unit));
+  for (const char* name :
+       {"kinetic", "elastic", "strain", "work_gravity", "work_loads", "work_walls", "interface_seen_by_grains",
+        "interface_seen_by_bodies", "loss_friction", "loss_contact_damping", "loss_rolling", "loss_damping", "residual"})
+    columns.push_back(fmt::format("energy_{} [J]", name));
+  columns.push_back("momentum_error [-]");
+  return columns;
+}
+
+void append_energy(std::vector<double>& row, const Sides& sides, const Ledger& ledger) {
+  const auto& [g, b] = sides;
+  row.insert(row.end(), {g.kinetic + b.kinetic, g.elastic_normal + g.elastic_shear, b.strain,
+                         g.work_gravity + b.work_gravity, b.work_loads, g.work_walls, g.work_interface, b.work_interface,
+                         g.loss_friction, g.loss_contact_damping, g.loss_rolling, g.loss_damping + b.loss_damping,
+                         ledger.residual()});
+}
+
+}  // namespace
+
+RunLoop::RunLoop(Setup& setup, std::filesystem::path directory, Summary& summary, Series& series)
+    : setup_(setup),
+      directory_(std::move(directory)),
+      summary_(summary),
+      series_(series),
+      sampler_(*setup.roles, setup.scene, setup.grains.get(), setup.bodies.get(), setup.skins, setup.skin_walls,
+               setup.named_walls) {
+  for (const auto& stage : setup.scene.stages) total_ += stage.duration;
+  agree(setup.roles->world, [&] {
+    if (setup_.roles->is_root())
+      history_ = std::make_unique<HistoryFile>(directory_ / "history.csv", history_columns(setup_.scene));
+  });
+}
+
+void RunLoop::begin(const Stage& stage) {
+  const auto& scene = setup_.scene;
+  if (setup_.grains) {
+    setup_.grains->set_grain_damping(stage.grain_damping);
+    if (!stage.ramp_stiffness) setup_.grains->set_material(0, scene.grains->materials[0]);
+  }
+  if (setup_.bodies)
+    for (const auto& body : scene.bodies) {
+      const auto own = stage.body_damping.find(body.name);
+      setup_.bodies->set_damping(body.name, own == stage.body_damping.end() ? body.damping : own->second);
+      setup_.bodies->hold(body.name, std::find(stage.hold.begin(), stage.hold.end(), body.name) != stage.hold.end());
+    }
+  spdlog::info("stage {}: {:.4g} s", stage.name, stage.duration);
+  const bool any_measured = std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.measure; });
+  if (stage.measure || (!any_measured && stage_ == 0)) zero();
+}
+
+/// From here on displacements, ledgers and results count.
+void RunLoop::zero() {
+  measuring_ = true;
+  if (setup_.bodies) {
+    setup_.bodies->set_displacement_zero();
+    setup_.bodies->reset_energy();
+  }
+  if (setup_.grains) setup_.grains->reset_energy();
+  ledger_.start(sampler_.sample(true).energy);
+  series_ = {};
+  series_.columns.resize(setup_.scene.probes.size());
+  agree(setup_.roles->world, [&] {
+    if (setup_.grains) writer_ = std::make_unique<dem::Writer>(directory_, setup_.grains->grains());
+  });
+  observe(true);
+}
+
+/// Geometric path of the grains' modulus from its packing to its loading value.
+void RunLoop::ramp(double share) {
+  if (!setup_.grains) return;
+  dem::Material material = setup_.scene.grains->materials[0];
+  const double from = setup_.scene.grains->packing->young_modulus;
+  material.young_modulus = from * std::pow(material.young_modulus / from, share);
+  setup_.grains->set_material(0, material);
+}
+
+bool RunLoop::fem_begin() {
+  auto& model = *setup_.bodies;
+  const Window& w = setup_.window;
+  if (w.n_fem == 1 && failure_.kind == Failure::none)
+    failure_ = timed(fem_seconds_, [&] { model.predict(w.dt_fem); });
+  // Within one process nobody else has to be told, and nobody would take the message.
+  const bool tell = setup_.exchange && (failure_.kind == Failure::none || setup_.roles->size > 1);
+  if (tell)
+    setup_.exchange->send_skins(model, w.n_fem == 1 ? 0.0 : w.length(), failure_.kind != Failure::none);
+  return failure_.kind == Failure::none;
+}
+
+bool RunLoop::dem_window() {
+  auto& grains = *setup_.grains;
+  const Window& w = setup_.window;
+  if (setup_.exchange && !setup_.exchange->receive_skins(grains, setup_.skin_walls)) return false;
+  failure_ = timed(dem_seconds_, [&] { grains.advance(w.n_dem, w.dt_dem); });
+  const bool failed = failure_.kind != Failure::none;
+  if (setup_.exchange && (!failed || setup_.roles->size > 1)) setup_.exchange->send_forces(grains, setup_.skin_walls, w.length(), failed);
+  return !failed;
+}
+
+bool RunLoop::fem_end() {
+  auto& model = *setup_.bodies;
+  const Window& w = setup_.window;
+  if (w.n_fem == 1) failure_ = timed(fem_seconds_, [&] { model.inner_forces(); });
+  if (setup_.exchange && !setup_.exchange->receive_forces(model)) return false;
+  failure_ = timed(fem_seconds_, [&] {
+    if (w.n_fem == 1) {
+      model.correct(w.dt_fem);
+      return;
+    }
+    for (int step = 0; step < w.n_fem; ++step) {
+      model.predict(w.dt_fem);
+      model.inner_forces();
+      model.correct(w.dt_fem);
+    }
+  });
+  return failure_.kind == Failure::none;
+}
+
+bool RunLoop::step_window() {
+  bool sound = true;
+  if (setup_.bodies) sound = fem_begin();
+  if (setup_.grains && sound) sound = dem_window();
+  // A failed correct() is told to the other side by the next window's message, or at the next sample.
+  bool alive = sound;
+  if (setup_.bodies && sound) {
+    alive = fem_end();
+    if (setup_.exchange && failure_.kind != Failure::none) alive = true;
+  }
+  if (setup_.exchange) setup_.exchange->finish_window();
+  time_ += setup_.window.length();
+  ++windows_;
+  return alive;
+}
+
+void RunLoop::observe(bool picture) {
+  const auto start = Clock::now();
+  agree(setup_.roles->world, [&] { raise(failure_); });
+  const auto sample = sampler_.sample(picture);
+  if (picture) watch_contact_step();
+  agree(setup_.roles->world, [&] {
+    if (measuring_) ledger_.add(sample.energy);
+    if (picture && measuring_) write_picture();
+    if (!setup_.roles->is_root()) return;
+    std::vector<double> row{time_, static_cast<double>(stage_)};
+    row.insert(row.end(), sample.probes.begin(), sample.probes.end());
+    append_energy(row, sample.energy, ledger_);
+    row.push_back(setup_.exchange ? setup_.exchange->momentum_error() : 0.0);
+    history_->row(row);
+    if (!measuring_) return;
+    series_.time.push_back(time_);
+    for (std::size_t p = 0; p < sample.probes.size(); ++p) series_.columns[p].push_back(sample.probes[p]);
+    guard_energy();
+  });
+  output_seconds_ += seconds_since(start);
+}
+
+/// A run that leaves its energy budget has become unstable, whatever its numbers look like.
+void RunLoop::guard_energy() {
+  constexpr double tolerance = 0.5;  // of the work done or the energy there was: far outside any honest error
+  const auto& energy = ledger_.last();
+  const double budget = std::max(ledger_.external_work(), energy.grains.losses() + energy.bodies.losses());
+  if (series_.time.size() < 10 || !(std::abs(ledger_.residual()) > tolerance * budget) || budget < 1e-12) return;
+  std::string place;
+  if (setup_.grains) {
+    const auto list = setup_.grains->grains();
+    const auto fastest = std::max_element(list.begin(), list.end(), [](const dem::Grain& a, const dem::Grain& b) {
+      return base::norm2(a.velocity) < base::norm2(b.velocity);
+    });
+    if (fastest != list.end())
+      place = fmt::format("; fastest grain {} at ({:.4g}, {:.4g}, {:.4g}) m with {:.3g} m/s", fastest->id,
+                          fastest->position.x, fastest->position.y, fastest->position.z, base::norm(fastest->velocity));
+  }
+  throw base::UnstableError(fmt::format(
+      "t = {:.6g} s, window {}: the energy balance is lost: residual {:.3g} J after {:.3g} J of work (grains hold {:.3g} J, "
+      "bodies {:.3g} J, interface mismatch {:.3g} J){}; take a smaller step (time.dem_fraction, time.fem_fraction)",
+      time_, windows_, ledger_.residual(), ledger_.external_work(), energy.grains.stored(), energy.bodies.stored(),
+      ledger_.interface_mismatch(), place));
+}
+
+void RunLoop::watch_contact_step() {
+  if (!setup_.grains) return;
+  const auto limit = setup_.grains->contact_stable_step();
+  if (!(limit.limit > 0) || !std::isfinite(limit.limit)) return;
+  if (smallest_contact_step_ == 0 || limit.limit < smallest_contact_step_) {
+    if (setup_.window.dt_dem > limit.limit &&
+        (smallest_contact_step_ == 0 || setup_.window.dt_dem <= smallest_contact_step_))
+      spdlog::warn("t = {:.4g} s: the DEM step {:.3g} s is above the live contacts' bound {:.3g} s ({}); lower "
+                   "time.dem_fraction if the energy error grows",
+                   time_, setup_.window.dt_dem, limit.limit, limit.limiter);
+    smallest_contact_step_ = limit.limit;
+    summary_.coupling_limiter = fmt::format("{:.4g} s: {}", limit.limit, limit.limiter);
+  }
+}
+
+void RunLoop::write_picture() {
+  if (setup_.bodies) setup_.bodies->write(directory_.string(), time_);
+  if (!setup_.grains) return;
+  const auto grains = setup_.grains->grains();
+  const auto contacts = setup_.grains->grain_contacts();
+  const auto wall_contacts = setup_.grains->wall_contacts();
+  writer_->write(time_, grains, contacts, wall_contacts);
+  if (setup_.scene.output.contacts) writer_->write_contacts(time_, contacts, wall_contacts);
+}
+
+void RunLoop::run(std::optional<double> until) {
+  const auto& output = setup_.scene.output;
+  const double w = setup_.window.length();
+  const auto windows_in = [&](double seconds) { return std::max<std::int64_t>(1, std::llround(seconds / w)); };
+  const std::int64_t probe_every = output.probe_interval > 0 ? windows_in(output.probe_interval) : 1;
+  const auto start = Clock::now();
+  FailureText stop;
+  stop = caught([&] {
+    for (const auto& stage : setup_.scene.stages) {
+      begin(stage);
+      const auto count = static_cast<std::int64_t>(std::ceil(stage.duration / w - 1e-9));
+      const std::int64_t picture_every = output.interval > 0 ? windows_in(output.interval) : count;
+      for (std::int64_t window = 1; window <= count; ++window) {
+        if (stage.ramp_stiffness && window % 16 == 1)
+          ramp(static_cast<double>(window - 1) / static_cast<double>(count));
+        if (!step_window()) raise({Failure::internal, ""});
+        const bool enough = until && time_ >= *until;
+        const bool last = window == count || enough;
+        if (window % probe_every == 0 || window % picture_every == 0 || last)
+          observe(window % picture_every == 0 || last);
+        progress_.show(stage.name, time_, time_ / total_, static_cast<double>(windows_) / seconds_since(start),
+                       ledger_.relative_error());
+        if (enough) return;
+      }
+      ++stage_;
+    }
+  });
+  progress_.clear();
+  // Whoever left the loop does so for its own failure, for the other side's, or for one already agreed on.
+  if (stop.kind != Failure::none && failure_.kind == Failure::none && !stop.text.empty()) failure_ = stop;
+  const FailureText agreed = caught([&] { agree(setup_.roles->world, [&] { raise(failure_); }); });
+  close_summary();
+  raise(agreed);
+}
+
+void RunLoop::close_summary() {
+  const auto& roles = *setup_.roles;
+  if (roles.fem_ranks > 0 && roles.first_fem_rank != 0) {
+    double seconds[2] = {fem_seconds_, setup_.exchange ? setup_.exchange->seconds() : 0.0};
+    if (roles.is_fem_root()) MPI_Send(seconds, 2, MPI_DOUBLE, 0, 31, roles.world);
+    if (roles.is_root()) MPI_Recv(seconds, 2, MPI_DOUBLE, roles.first_fem_rank, 31, roles.world, MPI_STATUS_IGNORE);
+    fem_seconds_ = seconds[0];
+  }
+  std::int64_t elements = 0;
+  for (const auto& body : setup_.body_counts) elements += body.elements;
+  if (roles.fem_ranks > 0) MPI_Bcast(&elements, 1, MPI_INT64_T, roles.first_fem_rank, roles.world);
+  const Window& w = setup_.window;
+  summary_.scene = setup_.scene.file.string();
+  summary_.title = setup_.scene.title;
+  summary_.time_simulated = time_;
+  summary_.ranks = roles.size;
+  summary_.threads = setup_.threads;
+  summary_.backend = setup_.grains ? (setup_.backend == dem::Backend::cuda ? "cuda" : "omp") : "none";
+  summary_.elements = elements;
+  summary_.windows = windows_;
+  summary_.dem_steps = windows_ * w.n_dem;
+  summary_.fem_steps = windows_ * w.n_fem;
+  summary_.dem_dt = w.dt_dem;
+  summary_.fem_dt = w.dt_fem;
+  summary_.dem_limiter = setup_.dem_limit.limiter;
+  summary_.fem_limiter = setup_.fem_limit.limiter;
+  summary_.measured = measuring_;
+  summary_.ledger = ledger_;
+  if (setup_.grains) {
+    const auto counts = setup_.grains->counts();
+    summary_.grains = counts.grains;
+    summary_.dem_bytes = counts.bytes;
+    summary_.seconds["dem"] = dem_seconds_;
+  }
+  if (setup_.scene.has_bodies()) summary_.seconds["fem"] = fem_seconds_;
+  if (setup_.exchange) {
+    summary_.seconds["exchange"] = setup_.exchange->seconds();
+    summary_.seconds["waiting"] = setup_.exchange->seconds_waited();
+    summary_.momentum_error = setup_.exchange->momentum_error();
+  }
+  summary_.seconds["output"] = output_seconds_;
+}
+
+}  // namespace coupling

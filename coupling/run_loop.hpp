@@ -1,0 +1,62 @@
+#pragma once
+// The stages of a run, window by window.
+//
+// One window, W = n_dem dt_dem = n_fem dt_fem, on each side (design: "One coupling window"):
+//   FEM: n_fem = 1: predict to the window's end (u there needs no force of that instant), send the skin, take the inner
+//        forces while the grains work, receive the nodal forces, correct. At 1 : 1 both sides so use forces of one and
+//        the same instant, as a single velocity-Verlet step of the whole would.
+//        n_fem > 1: send the skin extrapolated over the window, receive, then n_fem steps under that force.
+//   DEM: receive, n_dem steps over the moving skin, send impulse / W.
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "coupling/agree.hpp"
+#include "coupling/progress.hpp"
+#include "coupling/run_files.hpp"
+#include "coupling/sampler.hpp"
+#include "coupling/setup.hpp"
+#include "coupling/summary.hpp"
+#include "dem/output.hpp"
+
+namespace coupling {
+
+class RunLoop {
+ public:
+  RunLoop(Setup&, std::filesystem::path directory, Summary&, Series&);
+  /// All stages, or up to this simulated time [s]. Collective; throws the same error on every rank.
+  void run(std::optional<double> until);
+
+ private:
+  void begin(const Stage&);
+  void zero();
+  void ramp(double share);
+  bool step_window();  // false: this rank or the other side has failed
+  bool fem_begin();
+  bool dem_window();
+  bool fem_end();
+  void observe(bool picture);
+  void guard_energy();
+  void watch_contact_step();
+  void write_picture();
+  void close_summary();
+
+  Setup& setup_;
+  std::filesystem::path directory_;
+  Summary& summary_;
+  Series& series_;
+  Sampler sampler_;
+  Progress progress_;
+  std::unique_ptr<HistoryFile> history_;
+  std::unique_ptr<dem::Writer> writer_;
+  FailureText failure_;        // of this rank
+  Ledger ledger_;
+  double time_ = 0, total_ = 0;
+  int stage_ = 0;
+  bool measuring_ = false;
+  double smallest_contact_step_ = 0;
+  double dem_seconds_ = 0, fem_seconds_ = 0, output_seconds_ = 0;
+  std::int64_t windows_ = 0;
+};
+
+}  // namespace coupling

@@ -1,0 +1,131 @@
+#include "coupling/setup.hpp"
+
+#include <fmt/core.h>
+#include <omp.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "coupling/agree.hpp"
+#include "coupling/model_checks.hpp"
+#include "coupling/packing.hpp"
+#include "coupling/wall_mesh.hpp"
+
+namespace coupling {
+
+namespace {
+
+/// Threads for the grains: what the system gives this process, but not more than the grains can feed.
+int sensible_threads(int asked, std::size_t grains) {
+  if (asked > 0) return asked;
+  const int useful = std::max<int>(1, static_cast<int>(grains / 2000));
+  return std::clamp(omp_get_max_threads(), 1, useful);
+}
+
+std::size_t expected_grains(const GrainsScene& scene) { return scene.packing ? 20000 : scene.list.size(); }
+
+}  // namespace
+
+Setup::Setup(MPI_Comm world, const RunOptions& options_) : options(options_) {
+  agree(world, [&] { scene = read_scene(options.scene, options.overrides); });
+  agree(world, [&] { roles = std::make_unique<Roles>(world, scene); });
+  agree(world, [&] {
+    if (!roles->is_fem) return;
+    library = std::make_unique<fem::Library>(roles->fem);
+    bodies = fem::Model::create(roles->fem, {scene.bodies, scene.gravity});
+    body_counts = bodies->counts();
+    check_overlaps(scene, body_counts);
+    fem_limit = bodies->stable_step();
+    check_step("time.fem_step", scene, scene.time.fem_step, fem_limit.limit, fem_limit.limiter);
+  });
+  agree(world, [&] {
+    if (roles->is_dem) choose_backend();
+  });
+  if (scene.has_bodies()) {
+    MPI_Bcast(&fem_limit.limit, 1, MPI_DOUBLE, roles->first_fem_rank, world);
+  }
+  if (roles->coupled) exchange = std::make_unique<Exchange>(*roles, bodies.get());
+  if (exchange) skins = exchange->skins();
+}
+
+Setup::~Setup() = default;
+
+void Setup::choose_backend() {
+  std::string why_not;
+  const bool usable = dem::cuda_available(&why_not);
+  base::require_user(options.backend != "cuda" || usable,
+                     fmt::format("--backend cuda: not usable here ({}); use --backend auto or omp", why_not));
+  backend = usable && options.backend != "omp" ? dem::Backend::cuda : dem::Backend::omp;
+  if (dem::cuda_built() && !usable && options.backend == "auto")
+    spdlog::info("no usable GPU ({}): grains run on the processor's cores", why_not);
+  threads = sensible_threads(options.threads, expected_grains(*scene.grains));
+  dem::set_threads(threads);
+}
+
+void Setup::add_walls() {
+  for (const auto& skin : skins) skin_walls.push_back(grains->add_mesh(skin, scene.grains->body_material.at(skin.body), false));
+  for (const auto& wall : scene.grains->walls) {
+    if (wall.packing_only) {
+      named_walls.push_back(-1);
+      continue;
+    }
+    const int number = wall.plane ? grains->add_plane(*wall.plane, wall.material)
+                                  : grains->add_mesh(read_wall_mesh(wall), wall.material, wall.two_sided);
+    if (base::norm(wall.velocity) > 0) grains->set_wall_velocity(number, wall.velocity);
+    named_walls.push_back(number);
+  }
+}
+
+void Setup::place_grains(Summary& summary) {
+  agree(roles->world, [&] {
+    if (!roles->is_dem) return;
+    const auto& part = *scene.grains;
+    std::vector<dem::Grain> list = part.list;
+    if (part.packing) {
+      PackingReport report;
+      const auto packed = pack(scene, skins, backend, report);
+      list.insert(list.end(), packed.begin(), packed.end());
+      summary.packed = true;
+      summary.packing_wall = report.seconds;
+      summary.packing_from_cache = report.from_cache;
+      summary.porosity = report.porosity;
+      summary.coordination = report.coordination;
+      spdlog::info("{} grains, porosity {:.3f}, coordination {:.2f} ({})", report.grains, report.porosity,
+                   report.coordination,
+                   report.from_cache ? "packing from the cache" : fmt::format("packed in {:.0f} s", report.seconds));
+    }
+    dem::Setup dem_setup;
+    dem_setup.materials = part.materials;
+    dem_setup.interactions = part.interactions;
+    dem_setup.gravity = scene.gravity;
+    dem_setup.skin = part.neighbour_skin;
+    grains = dem::Simulation::create(dem_setup, backend);
+    grains->add_grains(list);
+    add_walls();
+    dem_limit = grains->stable_step();
+    check_step("time.dem_step", scene, scene.time.dem_step, dem_limit.limit, dem_limit.limiter);
+  });
+  choose_window();
+}
+
+void Setup::choose_window() {
+  if (scene.has_grains()) MPI_Bcast(&dem_limit.limit, 1, MPI_DOUBLE, roles->dem_rank, roles->world);
+  std::optional<double> d, f;
+  if (scene.has_grains()) d = scene.time.dem_step.value_or(scene.time.dem_fraction * dem_limit.limit);
+  if (scene.has_bodies()) f = scene.time.fem_step.value_or(scene.time.fem_fraction * fem_limit.limit);
+  window = coupling::choose_window(d, f);
+  // Without a partner a side has nobody to wait for: many steps go into one call.
+  if (!scene.has_bodies() && scene.output.probe_interval > 0)
+    window.n_dem = std::max(1, static_cast<int>(scene.output.probe_interval / window.dt_dem));
+  if (scene.has_grains())
+    spdlog::info("DEM step {:.3g} s (limit {:.3g} s: {})", window.dt_dem, dem_limit.limit, dem_limit.limiter);
+  if (scene.has_bodies())
+    spdlog::info("FEM step {:.3g} s (limit {:.3g} s{})", window.dt_fem, fem_limit.limit,
+                 fem_limit.limiter.empty() ? "" : ": " + fem_limit.limiter);
+  if (roles->coupled)
+    spdlog::info("window {:.3g} s = {} DEM step{} = {} FEM step{}", window.length(), window.n_dem,
+                 window.n_dem > 1 ? "s" : "", window.n_fem, window.n_fem > 1 ? "s" : "");
+}
+
+}  // namespace coupling

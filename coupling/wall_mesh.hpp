@@ -1,0 +1,11 @@
+#pragma once
+// Rigid walls from files: triangles and quadrilaterals of a .stl, .msh or .geo, read through gmsh's API.
+#include "base/skin.hpp"
+#include "coupling/scene.hpp"
+
+namespace coupling {
+
+/// Throws base::UserError (file unreadable, no facets, unknown mesh parameter).
+base::Skin read_wall_mesh(const WallScene&);
+
+}  // namespace coupling
