@@ -117,6 +117,8 @@ Unit parse_unit(std::string_view text) {
   return unit;
 }
 
+double unit_factor(std::string_view unit) { return parse_unit(unit).to_si(1); }
+
 double parse_quantity(std::string_view text, std::string_view expected) {
   const std::string_view trimmed = trim(text);
   double number = 0;

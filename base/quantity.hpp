@@ -30,6 +30,9 @@ struct QuantityError : UserError {
 /// "kN/mm", "kg/m3", "m/s^2", "1/s"; empty: dimensionless. Throws QuantityError on an unknown unit, naming the nearest.
 Unit parse_unit(std::string_view text);
 
+/// SI value of one of the unit: 1e6 for "kN/mm".
+double unit_factor(std::string_view unit);
+
 /// Reads "number unit" as SI. A number alone is SI already. `unit`: a unit of the expected dimension.
 /// Throws QuantityError when the number, the unit or its dimension is wrong.
 double parse_quantity(std::string_view text, std::string_view unit);
