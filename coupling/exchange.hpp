@@ -1,8 +1,8 @@
 #pragma once
 // The messages of a coupling window between the DEM rank and the FEM ranks (also within one process, by messages to
 // itself): skin states one way, nodal forces the other. Each FEM rank sends and gets only the skin nodes it owns.
-// Both messages start with a status word, so that a failure on one side stops the other instead of hanging it; who failed
-// and why is told by agree() after the loop.
+// Both messages start with a status word, so that a failure on one side stops the other instead of hanging it; who
+// failed and why is told by agree() after the loop.
 #include <mpi.h>
 
 #include <array>
@@ -18,7 +18,8 @@ namespace coupling {
 
 class Exchange {
  public:
-  /// Collective over the world: tells the DEM rank every skin and who owns which node. `model` is null off the FEM ranks.
+  /// Collective over the world: tells the DEM rank every skin and who owns which node. `model` is null off the FEM
+  /// ranks.
   Exchange(const Roles&, const fem::Model* model);
 
   /// The skins, on every rank.
@@ -46,21 +47,21 @@ class Exchange {
 
  private:
   struct Peer {
-    int rank = 0;                          // world rank
-    std::vector<std::vector<int>> nodes;   // per skin: owned skin nodes
+    int rank = 0;                         // world rank
+    std::vector<std::vector<int>> nodes;  // per skin: owned skin nodes
     std::vector<double> out, in;
     MPI_Request out_request = MPI_REQUEST_NULL, in_request = MPI_REQUEST_NULL;
   };
 
   const Roles& roles_;
   std::vector<base::Skin> skins_;
-  std::vector<Peer> fem_peers_;  // on the DEM rank: one per FEM rank
-  Peer dem_peer_;                // on a FEM rank
+  std::vector<Peer> fem_peers_;                                           // on the DEM rank: one per FEM rank
+  Peer dem_peer_;                                                         // on a FEM rank
   std::vector<std::vector<base::Vec3>> positions_, velocities_, forces_;  // per skin, whole
   std::vector<base::Vec3> local_positions_, local_velocities_, local_forces_;
-  base::Vec3 applied_;           // [N] sum of the nodal forces this FEM rank applied in the window before
-  base::Vec3 given_;             // [N s] impulse on the grains in the window before (DEM rank)
-  double given_sum_ = 0;         // [N s] sum of |nodal impulse| in the window before
+  base::Vec3 applied_;    // [N] sum of the nodal forces this FEM rank applied in the window before
+  base::Vec3 given_;      // [N s] impulse on the grains in the window before (DEM rank)
+  double given_sum_ = 0;  // [N s] sum of |nodal impulse| in the window before
   double window_ = 0;
   double momentum_error_ = 0, seconds_ = 0, waited_ = 0;
 };

@@ -1,9 +1,9 @@
 #pragma once
-// The energy balance of the whole scene, closed from both sides' ledgers. Every term is integrated by the side that owns
-// it; the residual is what is left over, and is never booked anywhere.
+// The energy balance of the whole scene, closed from both sides' ledgers. Every term is integrated by the side that
+// owns it; the residual is what is left over, and is never booked anywhere.
 //   residual = [stored - stored at the start] - (work of gravity, loads, moving walls) + losses
-// The interface does no work on the whole: what one side gives the other takes, so any mismatch of the two views shows in
-// the residual.
+// The interface does no work on the whole: what one side gives the other takes, so any mismatch of the two views shows
+// in the residual.
 #include "base/energy.hpp"
 
 namespace coupling {
@@ -18,10 +18,11 @@ class Ledger {
   void start(const Sides&);
   void add(const Sides&);
 
-  double residual() const { return residual_; }                // [J] at the last add()
-  double external_work() const { return work_; }               // [J] largest |loads| + |gravity| + |walls| so far
-  double interface_mismatch() const { return mismatch_; }      // [J] sum of both sides' views at the last add()
-  /// Largest |residual| so far over the largest external work so far; over the energy at the start when no work was done.
+  double residual() const { return residual_; }            // [J] at the last add()
+  double external_work() const { return work_; }           // [J] largest |loads| + |gravity| + |walls| so far
+  double interface_mismatch() const { return mismatch_; }  // [J] sum of both sides' views at the last add()
+  /// Largest |residual| so far over the largest external work so far; over the energy at the start when no work was
+  /// done.
   double relative_error() const;
   const Sides& last() const { return last_; }
 

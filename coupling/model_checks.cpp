@@ -26,7 +26,8 @@ void check_overlaps(const Scene& scene, std::span<const fem::BodyCounts> bodies)
       };
       if (!overlap || !shows_skin(bodies[a].name) || !shows_skin(bodies[b].name)) continue;
       throw base::UserError(fmt::format(
-          "{}: bodies \"{}\" and \"{}\" overlap in the box ({:.4g}, {:.4g}, {:.4g}) .. ({:.4g}, {:.4g}, {:.4g}) m; bodies "
+          "{}: bodies \"{}\" and \"{}\" overlap in the box ({:.4g}, {:.4g}, {:.4g}) .. ({:.4g}, {:.4g}, {:.4g}) m; "
+          "bodies "
           "must not share space; change a translation or a mesh parameter",
           scene.file.string(), bodies[a].name, bodies[b].name, lower.x, lower.y, lower.z, upper.x, upper.y, upper.z));
     }
@@ -36,9 +37,10 @@ void check_step(const std::string& key, const Scene& scene, std::optional<double
                 const std::string& limiter) {
   base::require_user(
       !step || *step <= limit || scene.time.force_step,
-      fmt::format("{}: {} = {:.6g} s; must be at most the stable step {:.6g} s ({}); leave {} out to have it chosen, or set "
-                  "time.force_step = true to run into the instability",
-                  scene.file.string(), key, step.value_or(0), limit, limiter, key));
+      fmt::format(
+          "{}: {} = {:.6g} s; must be at most the stable step {:.6g} s ({}); leave {} out to have it chosen, or set "
+          "time.force_step = true to run into the instability",
+          scene.file.string(), key, step.value_or(0), limit, limiter, key));
 }
 
 }  // namespace coupling

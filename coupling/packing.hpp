@@ -7,10 +7,10 @@
 namespace coupling {
 
 struct PackingReport {
-  double porosity = 0;         // of the packed region (all layer boxes, inside walls and cuts, outside the bodies)
-  double coordination = 0;     // mean contacts per grain at the end of packing
+  double porosity = 0;      // of the packed region (all layer boxes, inside walls and cuts, outside the bodies)
+  double coordination = 0;  // mean contacts per grain at the end of packing
   std::int64_t grains = 0;
-  double seconds = 0;          // [s] wall time
+  double seconds = 0;  // [s] wall time
   bool from_cache = false;
 };
 

@@ -20,7 +20,8 @@ void Progress::show(const std::string& stage, double time, double share, double 
   drawn_ = true;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const int left = share > 0 ? static_cast<int>(std::min(elapsed * (1 - share) / share, 359999.0)) : 0;
-  fmt::print(stderr, "\r\033[K{:<8} {:>3.0f} %  t = {:.4f} s  {:.0f} steps/s  left {:d}:{:02d}:{:02d}  energy error {:.2g}",
+  fmt::print(stderr,
+             "\r\033[K{:<8} {:>3.0f} %  t = {:.4f} s  {:.0f} steps/s  left {:d}:{:02d}:{:02d}  energy error {:.2g}",
              stage, 100 * share, time, speed, left / 3600, left / 60 % 60, left % 60, energy_error);
   std::fflush(stderr);
 }

@@ -78,7 +78,8 @@ std::string table(std::span<const Outcome> outcomes) {
   if (outcomes.empty()) return {};
   std::size_t width = 6;
   for (const auto& outcome : outcomes) width = std::max(width, outcome.result->name.size());
-  std::string text = fmt::format("{:<{}}  {:>12} {:<8} {:<22} {}\n", "result", width, "value", "unit", "expected", "source");
+  std::string text =
+      fmt::format("{:<{}}  {:>12} {:<8} {:<22} {}\n", "result", width, "value", "unit", "expected", "source");
   for (const auto& outcome : outcomes) {
     const auto& result = *outcome.result;
     const double factor = base::parse_unit(result.unit).to_si(1);

@@ -17,13 +17,14 @@ struct Series {
 
 struct Outcome {
   const Result* result = nullptr;
-  double value = 0;                        // in the result's unit
-  std::optional<double> relative_error;    // against `expected`
-  std::optional<bool> within;              // of the expected range
+  double value = 0;                      // in the result's unit
+  std::optional<double> relative_error;  // against `expected`
+  std::optional<bool> within;            // of the expected range
 };
 
 /// first | last | min | max | max_abs | mean | range | rise (max - first) | frequency | ratio of a probe's series.
-/// `frequency`: from the first to the last rising crossing of the mid-range level, crossings interpolated linearly [Hz].
+/// `frequency`: from the first to the last rising crossing of the mid-range level, crossings interpolated linearly
+/// [Hz].
 double take(const std::string& how, std::span<const double> time, std::span<const double> values,
             std::span<const double> over);
 

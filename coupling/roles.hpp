@@ -19,9 +19,9 @@ class Roles {
   MPI_Comm fem = MPI_COMM_NULL;  // ranks with finite elements; MPI_COMM_NULL elsewhere
   int rank = 0, size = 1;
   bool is_dem = false, is_fem = false;
-  bool coupled = false;   // both kinds exist
-  int dem_rank = 0;       // world rank of the grains
-  int first_fem_rank = 0; // world rank of the first FEM rank
+  bool coupled = false;    // both kinds exist
+  int dem_rank = 0;        // world rank of the grains
+  int first_fem_rank = 0;  // world rank of the first FEM rank
   int fem_ranks = 0;
   bool is_root() const { return rank == 0; }  // writes history, summary and progress; has the grains if there are any
   bool is_fem_root() const { return is_fem && rank == first_fem_rank; }

@@ -53,7 +53,8 @@ void finish(const Setup& setup, const fs::path& directory, const FailureText& fa
     spdlog::info("energy error {:.3g} of the work done, momentum error {:.2g} of the impulse passed",
                  summary.ledger.relative_error(), summary.momentum_error);
   }
-  spdlog::info("{:.4g} s simulated in {:.1f} s; results in {}", summary.time_simulated, summary.wall, directory.string());
+  spdlog::info("{:.4g} s simulated in {:.1f} s; results in {}", summary.time_simulated, summary.wall,
+               directory.string());
 }
 
 }  // namespace

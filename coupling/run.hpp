@@ -14,9 +14,9 @@ struct RunOptions {
   std::optional<std::filesystem::path> out;  // default: runs/<scene name>
   bool overwrite = false;                    // replace an existing run directory
   std::vector<Override> overrides;
-  std::optional<double> until;               // [s] stop early at this simulated time
-  std::string backend = "auto";              // auto | omp | cuda
-  int threads = 0;                           // 0: chosen
+  std::optional<double> until;   // [s] stop early at this simulated time
+  std::string backend = "auto";  // auto | omp | cuda
+  int threads = 0;               // 0: chosen
 };
 
 /// Collective over MPI_COMM_WORLD. Throws the same base:: error on every rank.

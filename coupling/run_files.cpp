@@ -18,17 +18,20 @@ void make_run_directory(const fs::path& directory, bool overwrite) {
     const bool empty = fs::is_empty(directory, error);
     base::require_user(!error, head + "no permission to read it; choose a folder of yours");
     base::require_user(overwrite || empty,
-                       head + "the folder exists; nothing was written; give another --out, or --overwrite to replace the "
-                              "run in it");
+                       head +
+                           "the folder exists; nothing was written; give another --out, or --overwrite to replace the "
+                           "run in it");
     base::require_user(empty || fs::exists(directory / "scene.resolved.toml"),
-                       head + "holds no Trackbed run (no scene.resolved.toml), so --overwrite will not empty it; remove "
-                              "it yourself or give another --out");
+                       head +
+                           "holds no Trackbed run (no scene.resolved.toml), so --overwrite will not empty it; remove "
+                           "it yourself or give another --out");
     base::require_user(access(directory.c_str(), W_OK | X_OK) == 0,
                        head + "no permission to write there; choose a folder of yours");
     for (const auto& entry : fs::directory_iterator(directory)) fs::remove_all(entry.path(), error);
   } else {
     fs::create_directories(directory, error);
-    base::require_user(!error, fmt::format("{}cannot be made ({}); choose a place you may write to", head, error.message()));
+    base::require_user(!error,
+                       fmt::format("{}cannot be made ({}); choose a place you may write to", head, error.message()));
   }
 }
 

@@ -29,9 +29,9 @@ std::vector<std::string> history_columns(const Scene& scene) {
   std::vector<std::string> columns{"time [s]", "stage [-]"};
   for (const auto& probe : scene.probes)
     columns.push_back(fmt::format("{} [{}]", probe.name, probe.unit.empty() ? "-" : probe.unit));
-  for (const char* name :
-       {"kinetic", "elastic", "strain", "work_gravity", "work_loads", "work_walls", "interface_seen_by_grains",
-        "interface_seen_by_bodies", "loss_friction", "loss_contact_damping", "loss_rolling", "loss_damping", "residual"})
+  for (const char* name : {"kinetic", "elastic", "strain", "work_gravity", "work_loads", "work_walls",
+                           "interface_seen_by_grains", "interface_seen_by_bodies", "loss_friction",
+                           "loss_contact_damping", "loss_rolling", "loss_damping", "residual"})
     columns.push_back(fmt::format("energy_{} [J]", name));
   columns.push_back("momentum_error [-]");
   return columns;
@@ -39,10 +39,10 @@ std::vector<std::string> history_columns(const Scene& scene) {
 
 void append_energy(std::vector<double>& row, const Sides& sides, const Ledger& ledger) {
   const auto& [g, b] = sides;
-  row.insert(row.end(), {g.kinetic + b.kinetic, g.elastic_normal + g.elastic_shear, b.strain,
-                         g.work_gravity + b.work_gravity, b.work_loads, g.work_walls, g.work_interface, b.work_interface,
-                         g.loss_friction, g.loss_contact_damping, g.loss_rolling, g.loss_damping + b.loss_damping,
-                         ledger.residual()});
+  row.insert(row.end(),
+             {g.kinetic + b.kinetic, g.elastic_normal + g.elastic_shear, b.strain, g.work_gravity + b.work_gravity,
+              b.work_loads, g.work_walls, g.work_interface, b.work_interface, g.loss_friction, g.loss_contact_damping,
+              g.loss_rolling, g.loss_damping + b.loss_damping, ledger.residual()});
 }
 
 }  // namespace
@@ -74,7 +74,8 @@ void RunLoop::begin(const Stage& stage) {
       setup_.bodies->hold(body.name, std::find(stage.hold.begin(), stage.hold.end(), body.name) != stage.hold.end());
     }
   spdlog::info("stage {}: {:.4g} s", stage.name, stage.duration);
-  const bool any_measured = std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.measure; });
+  const bool any_measured =
+      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.measure; });
   if (stage.measure || (!any_measured && stage_ == 0)) zero();
 }
 
@@ -107,12 +108,10 @@ void RunLoop::ramp(double share) {
 bool RunLoop::fem_begin() {
   auto& model = *setup_.bodies;
   const Window& w = setup_.window;
-  if (w.n_fem == 1 && failure_.kind == Failure::none)
-    failure_ = timed(fem_seconds_, [&] { model.predict(w.dt_fem); });
+  if (w.n_fem == 1 && failure_.kind == Failure::none) failure_ = timed(fem_seconds_, [&] { model.predict(w.dt_fem); });
   // Within one process nobody else has to be told, and nobody would take the message.
   const bool tell = setup_.exchange && (failure_.kind == Failure::none || setup_.roles->size > 1);
-  if (tell)
-    setup_.exchange->send_skins(model, w.n_fem == 1 ? 0.0 : w.length(), failure_.kind != Failure::none);
+  if (tell) setup_.exchange->send_skins(model, w.n_fem == 1 ? 0.0 : w.length(), failure_.kind != Failure::none);
   return failure_.kind == Failure::none;
 }
 
@@ -122,7 +121,8 @@ bool RunLoop::dem_window() {
   if (setup_.exchange && !setup_.exchange->receive_skins(grains, setup_.skin_walls)) return false;
   failure_ = timed(dem_seconds_, [&] { grains.advance(w.n_dem, w.dt_dem); });
   const bool failed = failure_.kind != Failure::none;
-  if (setup_.exchange && (!failed || setup_.roles->size > 1)) setup_.exchange->send_forces(grains, setup_.skin_walls, w.length(), failed);
+  if (setup_.exchange && (!failed || setup_.roles->size > 1))
+    setup_.exchange->send_forces(grains, setup_.skin_walls, w.length(), failed);
   return !failed;
 }
 
@@ -200,7 +200,8 @@ void RunLoop::guard_energy() {
                           fastest->position.x, fastest->position.y, fastest->position.z, base::norm(fastest->velocity));
   }
   throw base::UnstableError(fmt::format(
-      "t = {:.6g} s, window {}: the energy balance is lost: residual {:.3g} J after {:.3g} J of work (grains hold {:.3g} J, "
+      "t = {:.6g} s, window {}: the energy balance is lost: residual {:.3g} J after {:.3g} J of work (grains hold "
+      "{:.3g} J, "
       "bodies {:.3g} J, interface mismatch {:.3g} J){}; take a smaller step (time.dem_fraction, time.fem_fraction)",
       time_, windows_, ledger_.residual(), ledger_.external_work(), energy.grains.stored(), energy.bodies.stored(),
       ledger_.interface_mismatch(), place));
@@ -213,9 +214,10 @@ void RunLoop::watch_contact_step() {
   if (smallest_contact_step_ == 0 || limit.limit < smallest_contact_step_) {
     if (setup_.window.dt_dem > limit.limit &&
         (smallest_contact_step_ == 0 || setup_.window.dt_dem <= smallest_contact_step_))
-      spdlog::warn("t = {:.4g} s: the DEM step {:.3g} s is above the live contacts' bound {:.3g} s ({}); lower "
-                   "time.dem_fraction if the energy error grows",
-                   time_, setup_.window.dt_dem, limit.limit, limit.limiter);
+      spdlog::warn(
+          "t = {:.4g} s: the DEM step {:.3g} s is above the live contacts' bound {:.3g} s ({}); lower "
+          "time.dem_fraction if the energy error grows",
+          time_, setup_.window.dt_dem, limit.limit, limit.limiter);
     smallest_contact_step_ = limit.limit;
     summary_.coupling_limiter = fmt::format("{:.4g} s: {}", limit.limit, limit.limiter);
   }

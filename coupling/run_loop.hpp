@@ -49,7 +49,7 @@ class RunLoop {
   Progress progress_;
   std::unique_ptr<HistoryFile> history_;
   std::unique_ptr<dem::Writer> writer_;
-  FailureText failure_;        // of this rank
+  FailureText failure_;  // of this rank
   Ledger ledger_;
   double time_ = 0, total_ = 0;
   int stage_ = 0;

@@ -49,8 +49,8 @@ Sampler::Sample Sampler::sample(bool thorough) {
     if (roles_.is_fem_root())
       MPI_Send(from_bodies.data(), static_cast<int>(from_bodies.size()), MPI_DOUBLE, 0, sample_tag, roles_.world);
     if (roles_.is_root()) {
-      from_bodies.resize(energy_terms + static_cast<std::size_t>(std::count_if(scene_.probes.begin(), scene_.probes.end(),
-                                                                               is_body_probe)));
+      from_bodies.resize(energy_terms + static_cast<std::size_t>(
+                                            std::count_if(scene_.probes.begin(), scene_.probes.end(), is_body_probe)));
       MPI_Request request;
       MPI_Irecv(from_bodies.data(), static_cast<int>(from_bodies.size()), MPI_DOUBLE, roles_.first_fem_rank, sample_tag,
                 roles_.world, &request);
@@ -93,7 +93,8 @@ double Sampler::contact_force(const Probe& probe) const {
     if (!probe.wall.empty() && scene_.grains->walls[w].name == probe.wall) wall = named_walls_[w];
   double force = 0;  // [N] of the grains on the surface
   for (const auto& contact : wall_contacts_)
-    if (contact.wall == wall && (!probe.box || contains(*probe.box, contact.point))) force -= contact.force[probe.component];
+    if (contact.wall == wall && (!probe.box || contains(*probe.box, contact.point)))
+      force -= contact.force[probe.component];
   return force;
 }
 

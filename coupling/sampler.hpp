@@ -15,8 +15,8 @@ class Sampler {
  public:
   /// `grains` is null off the DEM rank, `bodies` off the FEM ranks; `walls[s]` is the DEM's number of skin s,
   /// `named_walls` that of each scene wall.
-  Sampler(const Roles&, const Scene&, dem::Simulation* grains, fem::Model* bodies,
-          const std::vector<base::Skin>& skins, std::vector<int> walls, std::vector<int> named_walls);
+  Sampler(const Roles&, const Scene&, dem::Simulation* grains, fem::Model* bodies, const std::vector<base::Skin>& skins,
+          std::vector<int> walls, std::vector<int> named_walls);
 
   struct Sample {
     std::vector<double> probes;  // in the scene's order, SI

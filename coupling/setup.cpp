@@ -64,7 +64,8 @@ void Setup::choose_backend() {
 }
 
 void Setup::add_walls() {
-  for (const auto& skin : skins) skin_walls.push_back(grains->add_mesh(skin, scene.grains->body_material.at(skin.body), false));
+  for (const auto& skin : skins)
+    skin_walls.push_back(grains->add_mesh(skin, scene.grains->body_material.at(skin.body), false));
   for (const auto& wall : scene.grains->walls) {
     if (wall.packing_only) {
       named_walls.push_back(-1);

@@ -28,19 +28,19 @@ class Setup {
   Scene scene;
   RunOptions options;
   std::unique_ptr<Roles> roles;
-  std::unique_ptr<fem::Library> library;      // FEM ranks
-  std::unique_ptr<fem::Model> bodies;         // FEM ranks
-  std::unique_ptr<Exchange> exchange;         // coupled scenes
-  std::unique_ptr<dem::Simulation> grains;    // DEM rank
+  std::unique_ptr<fem::Library> library;    // FEM ranks
+  std::unique_ptr<fem::Model> bodies;       // FEM ranks
+  std::unique_ptr<Exchange> exchange;       // coupled scenes
+  std::unique_ptr<dem::Simulation> grains;  // DEM rank
   dem::Backend backend = dem::Backend::omp;
   int threads = 1;
-  std::vector<base::Skin> skins;              // every rank
-  std::vector<int> skin_walls;                // DEM rank: wall number of each skin
-  std::vector<int> named_walls;               // DEM rank: wall number of each scene wall, -1 for packing-only ones
-  std::vector<fem::BodyCounts> body_counts;   // FEM ranks
-  fem::StableStep fem_limit;                  // every rank
-  dem::StableStep dem_limit;                  // DEM rank
-  Window window;                              // every rank
+  std::vector<base::Skin> skins;             // every rank
+  std::vector<int> skin_walls;               // DEM rank: wall number of each skin
+  std::vector<int> named_walls;              // DEM rank: wall number of each scene wall, -1 for packing-only ones
+  std::vector<fem::BodyCounts> body_counts;  // FEM ranks
+  fem::StableStep fem_limit;                 // every rank
+  dem::StableStep dem_limit;                 // DEM rank
+  Window window;                             // every rank
 
  private:
   void choose_backend();

@@ -10,19 +10,19 @@
 namespace coupling {
 
 struct Summary {
-  std::string scene, title, status = "failed", message;  // status: completed | unstable | failed
+  std::string scene, title, status = "failed", message;   // status: completed | unstable | failed
   double time_simulated = 0, wall = 0, packing_wall = 0;  // [s]
   int ranks = 1, threads = 1;
   std::string backend;
   std::int64_t grains = 0, elements = 0;
   std::int64_t dem_steps = 0, fem_steps = 0, windows = 0;
-  double dem_dt = 0, fem_dt = 0;                          // [s]
+  double dem_dt = 0, fem_dt = 0;  // [s]
   std::string dem_limiter, fem_limiter, coupling_limiter;
-  std::map<std::string, double> seconds;                  // dem, fem, exchange, waiting, output [s]
+  std::map<std::string, double> seconds;  // dem, fem, exchange, waiting, output [s]
   double momentum_error = 0;
-  bool measured = false;                                  // the ledger covers something
+  bool measured = false;  // the ledger covers something
   Ledger ledger;
-  double porosity = 0, coordination = 0;                  // of the packing
+  double porosity = 0, coordination = 0;  // of the packing
   bool packed = false, packing_from_cache = false;
   std::size_t dem_bytes = 0;
 };

@@ -65,8 +65,8 @@ base::Skin read_wall_mesh(const WallScene& wall) {
                                       wall.origin, wall.name, file));
   }
   base::require_user(!skin.facets.empty(),
-                     fmt::format("{}: wall \"{}\": {}: holds no triangle or quadrilateral; give a surface mesh", wall.origin,
-                                 wall.name, file));
+                     fmt::format("{}: wall \"{}\": {}: holds no triangle or quadrilateral; give a surface mesh",
+                                 wall.origin, wall.name, file));
   return skin;
 }
 

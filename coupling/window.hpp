@@ -7,8 +7,8 @@
 namespace coupling {
 
 struct Window {
-  int n_dem = 0, n_fem = 0;      // steps per window; 0: that side does not exist
-  double dt_dem = 0, dt_fem = 0; // [s]
+  int n_dem = 0, n_fem = 0;       // steps per window; 0: that side does not exist
+  double dt_dem = 0, dt_fem = 0;  // [s]
   double length() const { return n_fem > 0 ? n_fem * dt_fem : n_dem * dt_dem; }
 };
 

@@ -83,7 +83,7 @@ struct GrainContact {
 /// One grain–wall contact that carries force.
 struct WallContact {
   std::int64_t id;
-  int wall;            // as returned by add_plane / add_mesh
+  int wall;  // as returned by add_plane / add_mesh
   Vec3 grain_position, point;
   Vec3 force;          // [N] on the grain
   double overlap = 0;  // [m]
@@ -115,7 +115,8 @@ class Simulation {
   virtual void remove_wall(int wall) = 0;
   /// Rigid translation with this velocity from now on (planes and meshes).
   virtual void set_wall_velocity(int wall, Vec3) = 0;
-  /// Nodes of a mesh move linearly, over the next advance(), from where they are to these positions; velocities likewise.
+  /// Nodes of a mesh move linearly, over the next advance(), from where they are to these positions; velocities
+  /// likewise.
   virtual void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) = 0;
   /// Nodal impulse [N s] that the grains passed to the mesh during the last advance(): sum over its steps of
   /// (nodal force at the step's end) × dt, the contact force carried to the nodes by the facet's shape functions.

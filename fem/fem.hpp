@@ -1,7 +1,7 @@
 #pragma once
 // Façade of the finite element library: deformable bodies meshed by gmsh, moved by explicit central difference on PETSc
-// vectors, partitioned over the ranks of one communicator. Knows nothing of scene files or grains. SI; tension positive.
-// Every member is collective over the communicator unless it says otherwise; on an error every rank throws.
+// vectors, partitioned over the ranks of one communicator. Knows nothing of scene files or grains. SI; tension
+// positive. Every member is collective over the communicator unless it says otherwise; on an error every rank throws.
 #include <mpi.h>
 
 #include <array>
@@ -42,7 +42,7 @@ struct MaterialRegion {
 };
 
 struct Support {
-  std::string group;                            // physical surface (or curve, point)
+  std::string group;  // physical surface (or curve, point)
   std::array<bool, 3> fixed{false, false, false};
   Origin origin;
 };
@@ -63,16 +63,16 @@ struct Load {
 
 struct Body {
   std::string name;
-  std::string mesh_file;                      // .geo (meshed through gmsh's API) or .msh
+  std::string mesh_file;                          // .geo (meshed through gmsh's API) or .msh
   std::map<std::string, double> mesh_parameters;  // numbers set in the .geo (its DefineConstant / SetNumber names)
-  std::string element = "hex8";               // see element_names(): hex8, hex8_bbar, tet4
-  Vec3 translation;                           // [m] added to every node
-  bool gravity = true;                        // false: starts in geostatic balance, its own weight is left out
-  double damping = 0;                         // [1/s] mass-proportional: force -damping * m * v
+  std::string element = "hex8";                   // see element_names(): hex8, hex8_bbar, tet4
+  Vec3 translation;                               // [m] added to every node
+  bool gravity = true;                            // false: starts in geostatic balance, its own weight is left out
+  double damping = 0;                             // [1/s] mass-proportional: force -damping * m * v
   std::vector<MaterialRegion> materials;
   std::vector<Support> supports;
   std::vector<Load> loads;
-  std::vector<std::string> skin;              // physical surfaces that grains can touch; empty: none
+  std::vector<std::string> skin;  // physical surfaces that grains can touch; empty: none
   Origin origin;
 };
 
@@ -89,8 +89,8 @@ struct StableStep {
 struct BodyCounts {
   std::string name;
   std::int64_t nodes = 0, elements = 0;
-  Vec3 lower, upper;    // [m] bounding box
-  double mass = 0;      // [kg]
+  Vec3 lower, upper;  // [m] bounding box
+  double mass = 0;    // [kg]
 };
 
 enum class Quantity { displacement, velocity, acceleration };
@@ -129,15 +129,16 @@ class Model {
   // ---- measurement
   virtual base::Energy energy() const = 0;
   virtual void reset_energy() = 0;
-  /// Mean of the quantity over the nodes of a group of a body (the whole group; equal weights), or at the node nearest to a point.
+  /// Mean of the quantity over the nodes of a group of a body (the whole group; equal weights), or at the node nearest
+  /// to a point.
   virtual Vec3 probe_group(const std::string& body, const std::string& group, Quantity) const = 0;
   virtual Vec3 probe_point(const std::string& body, Vec3 point, Quantity) const = 0;
   /// Present value of a load's history (not collective).
   virtual double load_value(const std::string& name) const = 0;
   /// Displacement zero for output and probes from here on (the state itself is untouched).
   virtual void set_displacement_zero() = 0;
-  /// Appends one time level to DIR/<body>.pvd and writes DIR/<body>/<body>_NNNN.vtu (displacement, velocity, cell stress,
-  /// von Mises, material region) for every body. Throws base::MachineError when the disk fails.
+  /// Appends one time level to DIR/<body>.pvd and writes DIR/<body>/<body>_NNNN.vtu (displacement, velocity, cell
+  /// stress, von Mises, material region) for every body. Throws base::MachineError when the disk fails.
   virtual void write(const std::string& directory, double time) = 0;
 };
 
