@@ -1,0 +1,277 @@
+#include "coupling/packer.hpp"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "coupling/measure.hpp"
+#include "dem/grading.hpp"
+#include "dem/insertion.hpp"
+
+namespace coupling {
+namespace {
+
+constexpr double pour_fraction = 0.28;     // solid fraction of the grains before they fall
+constexpr double calm = 1e-4;              // mean kinetic energy of a grain over m g r at which it counts as at rest
+constexpr double chunk = 0.01;             // [s] between looks at the state
+constexpr double absurd_pressure = 0.5e6;  // [Pa] mean under the plate
+constexpr double penetration = 0.1;        // overlap / radius with an arriving body above which a grain is taken out
+constexpr double cut_share = 0.5;          // of the radius that may stand out of a cut slope
+constexpr double plate_rest = 0.05;        // [s] for which the plate stays down
+constexpr double slope_time = 0.3;         // [s] most that the cut slope gets to settle
+
+dem::SieveCurve sieve_curve(const Packing& packing) {
+  dem::SieveCurve curve;
+  for (const GradingRow& row : packing.grading) curve.push_back({row.size, row.passing});
+  return curve;
+}
+
+double mass_over_density(const dem::Grain& grain) {
+  return 4.0 / 3.0 * std::numbers::pi * grain.radius * grain.radius * grain.radius;
+}
+
+/// Diameter [m] that half of the mass passes.
+double median_size(const dem::SieveCurve& curve) {
+  double lower = 0, upper = curve.back().size;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (lower + upper);
+    (dem::passing(curve, middle) < 0.5 ? lower : upper) = middle;
+  }
+  return upper;
+}
+
+}  // namespace
+
+Packer::Packer(const Scene& scene, const std::vector<base::Skin>& skins, dem::Backend backend)
+    : scene_(scene),
+      packing_(*scene.grains->packing),
+      skins_(skins),
+      region_(scene, skins),
+      terminal_(isatty(STDERR_FILENO) != 0) {
+  dem::Setup setup;
+  setup.materials = scene.grains->materials;
+  setup.materials.front().young_modulus = packing_.young_modulus;
+  setup.interactions = scene.grains->interactions;
+  setup.gravity = scene.gravity;
+  setup.skin = scene.grains->neighbour_skin;
+  setup.track_energy = false;
+  simulation_ = dem::Simulation::create(setup, backend);
+  simulation_->set_grain_damping(packing_.grain_damping);
+  use_interactions(false);
+  add_walls();
+}
+
+std::vector<dem::Grain> Packer::run(PackingReport& report) {
+  for (std::size_t layer = 0; layer < packing_.layers.size(); ++layer) {
+    phase_ = fmt::format("packing layer {} of {}", layer + 1, packing_.layers.size());
+    bring_bodies(layer);
+    pour(layer);
+    strike_off(packing_.layers[layer].box.upper.z);
+    if (packing_.layers[layer].plate) press(packing_.layers[layer]);
+  }
+  phase_ = "packing: slope";
+  cut_free();
+  if (terminal_) fmt::print(stderr, "\r\033[K");
+  std::vector<dem::Grain> grains = simulation_->grains();
+  report.porosity = region_.porosity(grains, median_size(sieve_curve(packing_)));
+  report.coordination = coordination(grains, simulation_->grain_contacts(), region_.all());
+  for (dem::Grain& grain : grains) grain.velocity = grain.angular_velocity = {};
+  return grains;
+}
+
+void Packer::use_interactions(bool real) {
+  const int count = static_cast<int>(scene_.grains->materials.size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a; b < count; ++b) {
+      dem::Interaction pair = scene_.grains->interactions[static_cast<std::size_t>(a * count + b)];
+      if (!real) {
+        pair.friction = std::min(pair.friction, packing_.friction);
+        pair.rolling_friction = std::min(pair.rolling_friction, packing_.rolling_friction);
+      }
+      simulation_->set_interaction(a, b, pair);
+    }
+  }
+}
+
+void Packer::add_walls() {
+  for (std::size_t number = 0; number < scene_.grains->walls.size(); ++number) {
+    const WallScene& wall = scene_.grains->walls[number];
+    const int added = wall.plane ? simulation_->add_plane(*wall.plane, wall.material)
+                                 : simulation_->add_mesh(region_.wall_surface(number), wall.material, wall.two_sided);
+    if (wall.packing_only) temporary_walls_.push_back(added);
+  }
+  for (const dem::Plane& side : region_.sides()) temporary_walls_.push_back(simulation_->add_plane(side, 0));
+}
+
+void Packer::bring_bodies(std::size_t layer) {
+  for (const int body : region_.arriving(layer)) {
+    const base::Skin& skin = skins_[static_cast<std::size_t>(body)];
+    const Obstacle& obstacle = region_.obstacle(body);
+    const std::size_t removed = remove_if([&](const dem::Grain& grain) {
+      return obstacle.inside(grain.position) || obstacle.closer_than(grain.position, (1 - penetration) * grain.radius);
+    });
+    if (removed > 0) spdlog::info("{} grains make room for body \"{}\"", removed, skin.body);
+    const auto material = scene_.grains->body_material.find(skin.body);
+    base::require_internal(material != scene_.grains->body_material.end(), "a body's skin has a contact material");
+    simulation_->add_mesh(skin, material->second, false);
+    const double height = 4 * (region_.all().upper.z - region_.all().lower.z) + 1;
+    const base::Skin rim = collar(skin, height);
+    if (!rim.facets.empty()) temporary_walls_.push_back(simulation_->add_mesh(rim, material->second, false));
+  }
+}
+
+void Packer::pour(std::size_t number) {
+  const PackingLayer& layer = packing_.layers[number];
+  const auto refuse = [&](const std::string& why) {
+    throw base::UserError(fmt::format("{}: packing.layer: {}", layer.origin, why));
+  };
+  const double free = region_.volume(number);
+  const dem::SieveCurve curve = sieve_curve(packing_);
+  const double solid = (1 - packing_.target_porosity) * free * (1 + layer.overfill);
+  if (solid < dem::mean_grain_volume(curve)) {
+    refuse(fmt::format(
+        "the box has room for {:.3g} m3, less than one grain; bodies and walls fill it, or it is too small", free));
+  }
+  const std::vector<double> radii = dem::sample_radii(curve, solid, packing_.seed + number);
+
+  std::vector<dem::Sphere> existing;
+  for (const dem::Grain& grain : simulation_->grains()) existing.push_back({grain.position, grain.radius});
+  const Vec3 size = layer.box.upper - layer.box.lower;
+  dem::Insertion insertion;
+  insertion.lower = layer.box.lower;
+  insertion.upper = layer.box.upper;
+  insertion.upper.z = layer.box.lower.z + solid / pour_fraction * size.z / free;
+  insertion.seed = packing_.seed + 1000003 * (number + 1);
+  insertion.existing = existing;
+  insertion.room = [&](const dem::Sphere& s) { return region_.room(number, s.position, s.radius); };
+  dem::Inserted inserted;
+  try {
+    inserted = dem::insert_spheres(radii, insertion);
+  } catch (const base::UserError& error) {
+    refuse(error.what());
+  }
+  std::vector<dem::Grain> grains(radii.size());
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    grains[i].position = inserted.positions[i];
+    grains[i].radius = radii[i];
+    grains[i].id = next_id_++;
+  }
+  simulation_->add_grains(grains);
+  spdlog::info("layer {}: {} grains poured from {:.2f} m", number + 1, grains.size(), inserted.top - layer.box.lower.z);
+  const double fall = std::sqrt(2 * (inserted.top - layer.box.lower.z) / norm(scene_.gravity));
+  settle(std::min(fall, layer.settle), layer.settle);
+}
+
+double Packer::step() const { return scene_.time.dem_fraction * simulation_->stable_step().limit; }
+
+void Packer::advance(double duration) {
+  const double dt = step();
+  const int steps = std::max(1, static_cast<int>(std::ceil(duration / dt)));
+  simulation_->advance(steps, duration / steps);
+}
+
+void Packer::settle(double earliest, double duration) {
+  for (double time = 0; time < duration - 1e-9; time += chunk) {
+    advance(std::min(chunk, duration - time));
+    double kinetic = 0, scale = 0;  // both over density
+    for (const dem::Grain& grain : simulation_->grains()) {
+      kinetic += 0.5 * mass_over_density(grain) * norm2(grain.velocity);
+      scale += mass_over_density(grain) * norm(scene_.gravity) * grain.radius;
+    }
+    show(kinetic / scale);
+    if (time + chunk > earliest && kinetic < calm * scale) return;
+  }
+}
+
+template <typename Condition>
+std::size_t Packer::remove_if(Condition condition) {
+  std::vector<std::int64_t> ids;
+  for (const dem::Grain& grain : simulation_->grains()) {
+    if (condition(grain)) ids.push_back(grain.id);
+  }
+  if (!ids.empty()) simulation_->remove_grains(ids);
+  return ids.size();
+}
+
+void Packer::strike_off(double level) {
+  const std::size_t removed = remove_if([level](const dem::Grain& grain) { return grain.position.z > level; });
+  spdlog::info("{} grains struck off above z = {:g} m", removed, level);
+}
+
+void Packer::press(const PackingLayer& layer) {
+  double top = layer.box.upper.z;
+  for (const dem::Grain& grain : simulation_->grains()) top = std::max(top, grain.position.z + grain.radius);
+  const double travel = top - layer.box.upper.z;
+  const Vec3 middle = (layer.box.lower + layer.box.upper) * 0.5;
+  const Vec3 size = layer.box.upper - layer.box.lower;
+  const int plate = simulation_->add_plane({{middle.x, middle.y, top}, {0, 0, -1}}, 0);
+  const auto pressure = [&] {
+    double force = 0;
+    for (const dem::WallContact& contact : simulation_->wall_contacts()) {
+      if (contact.wall == plate) force -= contact.force.z;
+    }
+    return force / (size.x * size.y);
+  };
+  double peak = 0;
+  const int chunks = std::max(1, static_cast<int>(std::ceil(travel / (packing_.plate_speed * chunk))));
+  simulation_->set_wall_velocity(plate, {0, 0, -packing_.plate_speed});
+  for (int i = 0; i < chunks; ++i) {
+    advance(travel / packing_.plate_speed / chunks);
+    peak = std::max(peak, pressure());
+    show(0);
+    if (peak > absurd_pressure) refuse_plate(layer, top - travel * (i + 1) / chunks, peak);
+  }
+  simulation_->set_wall_velocity(plate, {});
+  settle(0, plate_rest);
+  const double held = pressure();
+  simulation_->set_wall_velocity(plate, {0, 0, packing_.plate_speed});
+  advance(chunk);
+  simulation_->remove_wall(plate);
+  settle(chunk, 2 * plate_rest);
+  spdlog::info("plate came down {:.1f} mm, {:.1f} kPa at most, {:.1f} kPa at rest", 1e3 * travel, 1e-3 * peak,
+               1e-3 * held);
+}
+
+void Packer::refuse_plate(const PackingLayer& layer, double level, double pressure) const {
+  throw base::UserError(fmt::format(
+      "{}: packing.layer.plate: cannot come down to z = {:g} m: {:.0f} kPa press against it at z = {:.4g} m; "
+      "raise packing.target_porosity, lower packing.friction or the layer's overfill, or leave the plate out",
+      layer.origin, layer.box.upper.z, 1e-3 * pressure, level));
+}
+
+void Packer::cut_free() {
+  const std::size_t cut = remove_if([&](const dem::Grain& grain) {
+    return std::any_of(packing_.cuts.begin(), packing_.cuts.end(), [&](const dem::Plane& plane) {
+      return height_above(plane, grain.position) + grain.radius > cut_share * grain.radius;
+    });
+  });
+  if (!packing_.cuts.empty()) spdlog::info("{} grains cut away", cut);
+  use_interactions(true);
+  for (const int wall : temporary_walls_) simulation_->remove_wall(wall);
+  settle(2 * chunk, slope_time);
+  const Box& box = region_.all();
+  const std::size_t lost = remove_if([&](const dem::Grain& grain) {
+    const Vec3& p = grain.position;
+    return p.z > box.upper.z || p.z < box.lower.z - grain.radius || p.x < box.lower.x - grain.radius ||
+           p.x > box.upper.x + grain.radius || p.y < box.lower.y - grain.radius || p.y > box.upper.y + grain.radius;
+  });
+  if (lost > 0) spdlog::info("{} grains left the box and are taken out", lost);
+}
+
+void Packer::show(double kinetic) {
+  if (!terminal_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - shown_ < std::chrono::milliseconds(200)) return;
+  shown_ = now;
+  fmt::print(stderr, "\r\033[K{}  t = {:.3f} s  {} grains  kinetic energy {:.1e} m g r", phase_, simulation_->time(),
+             simulation_->counts().grains, kinetic);
+  std::fflush(stderr);
+}
+
+}  // namespace coupling

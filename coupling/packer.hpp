@@ -1,0 +1,53 @@
+#pragma once
+// Gravity packing (Tran 2006 as used in Irazabal2017 5.2.3 and 6.3): grains of low friction are poured and come to rest
+// layer by layer, each levelled by a plate; then the slope is cut free and settles with the scene's real friction.
+// The ways in which it differs from the thesis: the slope is cut out of a box instead of being held by auxiliary
+// surfaces, so no packing has to flow under an overhang.
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "coupling/packing.hpp"
+#include "coupling/packing_region.hpp"
+
+namespace coupling {
+
+class Packer {
+ public:
+  /// Throws base::UserError when the scene cannot be packed.
+  Packer(const Scene&, const std::vector<base::Skin>& skins, dem::Backend);
+  /// The packed grains at rest, by id; fills porosity and coordination. Once per object.
+  std::vector<dem::Grain> run(PackingReport&);
+
+ private:
+  void add_walls();
+  void bring_bodies(std::size_t layer);
+  void pour(std::size_t layer);
+  void strike_off(double level);
+  void press(const PackingLayer&);
+  void cut_free();
+
+  /// Advances by at most `duration` [s], but stops once the grains are calm after `earliest` [s].
+  void settle(double earliest, double duration);
+  void advance(double duration);
+  template <typename Condition>
+  std::size_t remove_if(Condition);
+  double step() const;
+  void use_interactions(bool real);
+  [[noreturn]] void refuse_plate(const PackingLayer&, double level, double pressure) const;
+  void show(double kinetic);  // one line on a terminal; kinetic energy over m g r
+
+  const Scene& scene_;
+  const Packing& packing_;
+  const std::vector<base::Skin>& skins_;
+  PackingRegion region_;
+  std::unique_ptr<dem::Simulation> simulation_;
+  std::vector<int> temporary_walls_;  // taken away when the packing is done
+  std::int64_t next_id_ = 0;
+  std::string phase_;  // for the progress line
+  bool terminal_ = false;
+  std::chrono::steady_clock::time_point shown_;
+};
+
+}  // namespace coupling

@@ -1,0 +1,81 @@
+#include "coupling/packing.hpp"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "base/error.hpp"
+#include "coupling/packer.hpp"
+#include "coupling/packing_cache.hpp"
+
+namespace coupling {
+namespace {
+
+/// Interleaves the lowest 21 bits of three cell numbers (Morton order).
+std::uint64_t morton(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
+  std::uint64_t code = 0;
+  for (unsigned bit = 0; bit < 21; ++bit) {
+    code |= ((x >> bit & 1) << (3 * bit)) | ((y >> bit & 1) << (3 * bit + 1)) | ((z >> bit & 1) << (3 * bit + 2));
+  }
+  return code;
+}
+
+/// Neighbours in space become neighbours in memory; ids count up from `first_id` in that order.
+void sort_by_place(std::vector<dem::Grain>& grains, std::int64_t first_id) {
+  if (grains.empty()) return;
+  Vec3 lower = grains.front().position;
+  double cell = 0;
+  for (const dem::Grain& grain : grains) {
+    for (int axis = 0; axis < 3; ++axis) lower[axis] = std::min(lower[axis], grain.position[axis]);
+    cell = std::max(cell, 2 * grain.radius);
+  }
+  const auto code = [&](const dem::Grain& grain) {
+    const Vec3 offset = (grain.position - lower) * (1 / cell);
+    return morton(static_cast<std::uint64_t>(offset.x), static_cast<std::uint64_t>(offset.y),
+                  static_cast<std::uint64_t>(offset.z));
+  };
+  std::vector<std::pair<std::uint64_t, dem::Grain>> coded;
+  for (const dem::Grain& grain : grains) coded.emplace_back(code(grain), grain);
+  std::sort(coded.begin(), coded.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second.id < b.second.id;
+  });
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    grains[i] = coded[i].second;
+    grains[i].id = first_id + static_cast<std::int64_t>(i);
+  }
+}
+
+}  // namespace
+
+std::vector<dem::Grain> pack(const Scene& scene, const std::vector<base::Skin>& skins, dem::Backend backend,
+                             PackingReport& report) {
+  base::require_internal(scene.grains && scene.grains->packing, "pack() needs a scene with a packing");
+  const auto start = std::chrono::steady_clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  report = {};
+  const bool use_cache = scene.grains->packing->use_cache;
+  const std::string key = packing_key(scene, skins, backend);
+  if (use_cache) {
+    if (auto cached = load_packing(key, report)) {
+      report.seconds = elapsed();
+      return *cached;
+    }
+  }
+  Packer packer(scene, skins, backend);
+  std::vector<dem::Grain> grains = packer.run(report);
+  std::int64_t first_id = 0;  // grains that the scene lists keep their own ids
+  for (const dem::Grain& grain : scene.grains->list) first_id = std::max(first_id, grain.id + 1);
+  sort_by_place(grains, first_id);
+  report.grains = static_cast<std::int64_t>(grains.size());
+  report.seconds = elapsed();
+  const double target = scene.grains->packing->target_porosity;
+  if (std::abs(report.porosity - target) > 0.03) {
+    spdlog::warn("packed to a porosity of {:.3f}; packing.target_porosity is {:.3f}", report.porosity, target);
+  }
+  if (use_cache) store_packing(key, grains, report);
+  return grains;
+}
+
+}  // namespace coupling
