@@ -100,6 +100,10 @@ std::string Parameter::type_text() const {
       return choices.empty() ? "list of texts" : "list of " + join(choices, " | ");
     case Type::pairs:
       return "list of pairs";
+    case Type::quantity:
+      return "number with a unit";
+    case Type::quantities:
+      return "list of numbers with a unit";
     case Type::numbers:
       return "numbers by name";
     case Type::table:
@@ -156,6 +160,12 @@ Parameter texts(std::string name, std::string meaning) {
 }
 Parameter pairs(std::string name, std::string unit, std::string meaning) {
   return make(std::move(name), Type::pairs, std::move(unit), std::move(meaning));
+}
+Parameter quantity(std::string name, std::string meaning) {
+  return make(std::move(name), Type::quantity, "", std::move(meaning));
+}
+Parameter quantities(std::string name, std::string meaning) {
+  return make(std::move(name), Type::quantities, "", std::move(meaning));
 }
 Parameter numbers(std::string name, std::string unit, std::string meaning) {
   return make(std::move(name), Type::numbers, std::move(unit), std::move(meaning));

@@ -28,9 +28,11 @@ enum class Type {
   reals,    // a list of numbers with a unit
   texts,    // a list of texts
   pairs,    // a list of pairs of numbers, the first with `unit`, the second plain
-  numbers,  // a table of free keys and numbers with a unit
-  table,    // one declared table, or one row of a family
-  tables,   // a list of them
+  quantity,
+  quantities,  // a number, or a list of them, whose unit something else decides: see number_of()
+  numbers,     // a table of free keys and numbers with a unit
+  table,       // one declared table, or one row of a family
+  tables,      // a list of them
 };
 
 struct Range {
@@ -98,6 +100,8 @@ Parameter vector(std::string name, std::string unit, std::string meaning);
 Parameter reals(std::string name, std::string unit, std::string meaning);
 Parameter texts(std::string name, std::string meaning);
 Parameter pairs(std::string name, std::string unit, std::string meaning);
+Parameter quantity(std::string name, std::string meaning);
+Parameter quantities(std::string name, std::string meaning);
 Parameter numbers(std::string name, std::string unit, std::string meaning);
 Parameter table(std::string name, const Table&, std::string meaning);
 Parameter table(std::string name, const Family&, std::string meaning);
@@ -107,6 +111,8 @@ Parameter tables(std::string name, const Family&, std::string meaning);
 /// The value with units turned into SI, defaults filled in and paths made absolute. Throws base::UserError.
 Value check(const Value& raw, const Table&);
 Value check(const Value& raw, const Family&);
+/// A raw quantity as SI, now that its unit is known. Throws base::UserError.
+double number_of(const Value& raw, const std::string& unit);
 /// The row of a family that a checked or raw table belongs to.
 const Table& row_of(const Value& table, const Family&);
 

@@ -137,6 +137,11 @@ Value checked_value(Value raw, const Parameter& p) {
       }
       return with_data(raw, items);
     }
+    case Type::quantity:
+      if (!raw.is_number() && !raw.is<std::string>()) fail(raw, "must be a number", "bare (SI) or with a unit");
+      return raw;
+    case Type::quantities:
+      return with_data(raw, checked_list(raw, "numbers"));
     case Type::numbers: {
       if (!raw.is<Value::Table>()) fail(raw, "must be a table of numbers", "write { name = value }");
       Value::Table entries = raw.table();
@@ -193,7 +198,8 @@ Value check(const Value& raw, const Table& table) {
       value.key = full_key(parameter.name);
       checked.table()[parameter.name] = checked_value(std::move(value), parameter);
     } else if (parameter.fallback) {
-      checked.set(parameter.name, parameter.fallback->data);
+      Value& value = checked.set(parameter.name, parameter.fallback->data);
+      if (parameter.type == Type::table) value = check_nested(value, parameter);
     } else if (parameter.is_required) {
       fail(raw, fmt::format("\"{}\" is missing", parameter.name),
            fmt::format("add {}: {}{}", parameter.name, parameter.meaning,
@@ -217,6 +223,8 @@ const Table& row_of(const Value& value, const Family& family) {
   choice.choices = family.names();
   return family.row(checked_text(named, choice));
 }
+
+double number_of(const Value& raw, const std::string& unit) { return checked_number(raw, unit, {}); }
 
 Value check(const Value& raw, const Family& family) { return check(raw, row_of(raw, family)); }
 

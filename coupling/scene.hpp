@@ -92,6 +92,8 @@ struct GrainsScene {
   std::optional<Packing> packing;
   std::vector<WallScene> walls;
   double neighbour_skin = 0;                 // [m] 0: automatic
+  double maximum_overlap = 0.3;              // overlap / smaller radius above which a run is declared unstable
+  bool rotations = true;                     // grains may turn
   std::map<std::string, int> body_material;  // contact material of each deformable body's skin
 };
 
@@ -129,7 +131,7 @@ struct Result {
   std::string take = "last";  // first | last | min | max | rise | max_abs | mean | range | frequency | ratio
   std::string over;           // for ratio: max|probe| / max|over|
   double scale = 1;
-  std::string unit;
+  std::string unit;                                     // shown; the values here are SI
   std::optional<double> expected;                       // one value …
   std::optional<std::array<double, 2>> expected_range;  // … or a range
   std::string source;

@@ -1,0 +1,79 @@
+// `trackbed list`: every family straight from its declarations.
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "base/histories.hpp"
+#include "base/text.hpp"
+#include "coupling/scene.hpp"
+#include "coupling/scene_tables.hpp"
+
+namespace coupling {
+
+namespace {
+
+std::string describe_all(const base::Family& family) {
+  std::string text;
+  for (const auto& row : family.rows) text += (text.empty() ? "" : "\n") + base::describe(row);
+  return text;
+}
+
+std::string laws() {
+  return "hertz_mindlin: spheres with Hertz-Mindlin contact, restitution damping, Coulomb friction with history and\n"
+         "bounded rolling friction (Irazabal2017 3.2.3, 5.2.1). Parameters:\n\n" +
+         base::describe(grain_material_table()) + "\n" + base::describe(grains_table());
+}
+
+std::string elements() {
+  std::string text = "elements of a body (its parameter `element`):\n";
+  for (const auto& name : fem::element_names()) text += "  " + name + "\n";
+  return text + "\n" + base::describe(body_table());
+}
+
+std::string probes() { return describe_all(probe_family()); }
+
+std::string scene() {
+  std::string text;
+  for (const base::Table* table :
+       {&scene_table(), &time_table(), &grains_table(), &grain_material_table(), &grain_table(), &packing_table(),
+        &layer_table(), &wall_table(), &wall_material_table(), &body_table(), &support_table(), &contact_table(),
+        &stage_table(), &result_table(), &output_table()}) {
+    text += base::describe(*table) + "\n";
+  }
+  return text + "further families: " + base::join({"histories", "loads", "materials", "probes"}) + "\n";
+}
+
+struct FamilyRow {
+  const char* name;
+  std::string (*text)();
+};
+
+// One row per family that `trackbed list` knows.
+const FamilyRow family_rows[] = {
+    {"laws", laws},
+    {"elements", elements},
+    {"materials", [] { return describe_all(material_family()); }},
+    {"histories", [] { return describe_all(base::history_family("N")); }},
+    {"loads", [] { return describe_all(load_family()); }},
+    {"probes", probes},
+    {"results", [] { return base::describe(result_table()); }},
+    {"scene", scene},
+};
+
+}  // namespace
+
+std::vector<std::string> families() {
+  std::vector<std::string> names;
+  for (const auto& row : family_rows) names.emplace_back(row.name);
+  return names;
+}
+
+std::string list_family(const std::string& family) {
+  for (const auto& row : family_rows) {
+    if (family == row.name) return row.text();
+  }
+  const std::string near = base::nearest(family, families());
+  throw base::UserError(fmt::format("list {}: no such family; {}choose one of: {}", family,
+                                    near.empty() ? "" : "did you mean \"" + near + "\"? ", base::join(families())));
+}
+
+}  // namespace coupling

@@ -1,0 +1,190 @@
+// Grains, walls, packing and the contact of skins of a scene.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "coupling/scene_parts.hpp"
+
+namespace coupling {
+
+using base::fail;
+using base::Value;
+
+namespace {
+
+dem::Interaction read_interaction(const Value& table) {
+  return {table.at("friction").real(), table.at("restitution").real(), table.at("rolling_friction").real()};
+}
+
+/// What a wall or a skin does not say about its contact with grains is as between grains.
+void fill_interaction(Value& table, const Value& grains) {
+  for (const char* name : {"friction", "restitution", "rolling_friction"}) {
+    if (!table.has(name)) table.set(name, grains.at(name).data);
+  }
+}
+
+int add_material(GrainsScene& grains, dem::Material material, const dem::Interaction& with_grains) {
+  grains.materials.push_back(std::move(material));
+  const std::size_t n = grains.materials.size();
+  std::vector<dem::Interaction> larger(n * n);
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    for (std::size_t j = 0; j + 1 < n; ++j) larger[i * n + j] = grains.interactions[i * (n - 1) + j];
+  }
+  larger[n - 1] = larger[(n - 1) * n] = with_grains;
+  grains.interactions = std::move(larger);
+  return static_cast<int>(n - 1);
+}
+
+WallScene read_wall(Value& row, const Value& grains_table, GrainsScene& grains) {
+  WallScene wall;
+  wall.name = row.at("name").text();
+  if (row.has("plane") == row.has("mesh")) {
+    fail(row, row.has("plane") ? "has both a plane and a mesh" : "has neither plane nor mesh", "give one of the two");
+  }
+  if (row.has("plane")) {
+    wall.plane = read_plane(row.at("plane"));
+    if (!row.at("mesh_parameters").table().empty()) fail(row.at("mesh_parameters"), "a plane has none", "remove it");
+    if (row.at("two_sided").boolean()) fail(row.at("two_sided"), "a plane has one side", "use a mesh, or two planes");
+  } else {
+    require_mesh_parameters(row);
+    wall.mesh = row.at("mesh").text();
+  }
+  wall.mesh_parameters = read_numbers(row.at("mesh_parameters"));
+  if (!row.has("material")) {
+    Value& material = row.set("material", Value::Table{});
+    material.set("young_modulus", grains.materials[0].young_modulus);
+    material.set("poisson_ratio", grains.materials[0].poisson_ratio);
+  }
+  fill_interaction(row, grains_table);
+  const Value& material = row.at("material");
+  wall.material =
+      add_material(grains, {wall.name, material.at("young_modulus").real(), material.at("poisson_ratio").real(), 0},
+                   read_interaction(row));
+  wall.velocity = row.at("velocity").vector();
+  wall.two_sided = row.at("two_sided").boolean();
+  wall.packing_only = row.at("packing_only").boolean();
+  wall.origin = row.origin();
+  return wall;
+}
+
+std::vector<GradingRow> read_grading(const Value& value) {
+  std::vector<GradingRow> rows;
+  for (const auto& pair : value.list()) {
+    rows.push_back({pair.list()[0].real(), pair.list()[1].real()});
+    const GradingRow& row = rows.back();
+    if (!(row.size > 0)) fail(pair, "a sieve size must be > 0 m");
+    if (rows.size() == 1) continue;
+    const GradingRow& before = rows[rows.size() - 2];
+    if (!(row.size > before.size)) fail(pair, fmt::format("sizes must rise: {} m follows {} m", row.size, before.size));
+    if (row.passing < before.passing) {
+      fail(pair, fmt::format("the share passing must not fall: {} follows {}", row.passing, before.passing));
+    }
+  }
+  if (rows.size() < 2) fail(value, "needs two sieves or more");
+  if (rows.back().passing != 1) fail(value, "all grains must pass the largest sieve", "end with a share of 1");
+  return rows;
+}
+
+PackingLayer read_layer(const Value& row, const Value& root) {
+  PackingLayer layer;
+  layer.box = read_box(row.at("box"));
+  layer.overfill = row.at("overfill").real();
+  layer.plate = row.at("plate").boolean();
+  layer.bodies = row.at("bodies").texts();
+  for (const auto& name : row.at("bodies").list()) {
+    require_known(name, names_of(root.rows("body")), "body", "bodies");
+    for (const auto& body : root.rows("body")) {
+      if (body.at("name").text() == name.text() && body.at("skin").list().empty()) {
+        fail(name, "the body has no skin that grains could touch", "give it skin = [...], or leave it out");
+      }
+    }
+  }
+  layer.settle = row.at("settle").real();
+  layer.origin = row.origin();
+  return layer;
+}
+
+Packing read_packing(Value& table, const Value& root) {
+  const Value& grains = root.at("grains");
+  if (!table.has("young_modulus")) table.set("young_modulus", grains.at("material").at("young_modulus").data);
+  for (const char* name : {"friction", "rolling_friction"}) {
+    if (!table.has(name)) table.set(name, grains.at(name).data);
+  }
+  Packing packing;
+  packing.grading = read_grading(table.at("grading"));
+  packing.seed = static_cast<std::uint64_t>(table.at("seed").integer());
+  packing.young_modulus = table.at("young_modulus").real();
+  packing.friction = table.at("friction").real();
+  packing.rolling_friction = table.at("rolling_friction").real();
+  packing.target_porosity = table.at("target_porosity").real();
+  packing.grain_damping = table.at("grain_damping").real();
+  packing.plate_speed = table.at("plate_speed").real();
+  if (table.at("layer").list().empty()) fail(table.at("layer"), "a packing needs a layer", "add [[packing.layer]]");
+  for (const auto& row : table.at("layer").list()) packing.layers.push_back(read_layer(row, root));
+  for (const auto& cut : table.at("cuts").list()) packing.cuts.push_back(read_plane(cut));
+  packing.use_cache = table.at("cache").boolean();
+  packing.origin = table.origin();
+  return packing;
+}
+
+void build_contact(Value& body, const Value& grains_table, GrainsScene& grains) {
+  if (body.at("skin").list().empty()) {
+    if (const Value* contact = body.find("contact")) {
+      fail(*contact, "the body has no skin that grains could touch", "give it skin = [...], or remove this table");
+    }
+    return;
+  }
+  if (!body.has("contact")) body.set("contact", Value::Table{});
+  Value& contact = body.at("contact");
+  const Value& material = body.at("material").list().front();
+  for (const char* name : {"young_modulus", "poisson_ratio"}) {
+    if (!contact.has(name)) contact.set(name, material.at(name).data);
+  }
+  fill_interaction(contact, grains_table);
+  const std::string& name = body.at("name").text();
+  grains.body_material[name] =
+      add_material(grains, {name, contact.at("young_modulus").real(), contact.at("poisson_ratio").real(), 0},
+                   read_interaction(contact));
+}
+
+}  // namespace
+
+void build_grains(Value& root, Scene& scene) {
+  auto& singles = root.at("grain").list();
+  auto& walls = root.at("wall").list();
+  if (!root.has("grains")) {
+    const Value* orphan = root.find("packing");
+    if (!orphan && !singles.empty()) orphan = &singles.front();
+    if (!orphan && !walls.empty()) orphan = &walls.front();
+    if (orphan) fail(*orphan, "there are no [grains] that it could belong to", "add [grains], or remove it");
+    return;
+  }
+  const Value& table = root.at("grains");
+  if (singles.empty() && !root.has("packing")) {
+    fail(table, "there are no grains", "add [packing] or [[grain]], or remove [grains]");
+  }
+  GrainsScene grains;
+  const Value& material = table.at("material");
+  grains.materials.push_back({material.at("name").text(), material.at("young_modulus").real(),
+                              material.at("poisson_ratio").real(), material.at("density").real()});
+  grains.interactions.push_back(read_interaction(table));
+  grains.neighbour_skin = table.at("neighbour_skin").real();
+  grains.maximum_overlap = table.at("maximum_overlap").real();
+  grains.rotations = table.at("rotations").boolean();
+  for (const auto& row : singles) {
+    dem::Grain grain;
+    grain.position = row.at("position").vector();
+    grain.radius = row.at("radius").real();
+    grain.velocity = row.at("velocity").vector();
+    grain.angular_velocity = row.at("angular_velocity").vector();
+    grain.id = static_cast<std::int64_t>(grains.list.size());
+    grains.list.push_back(grain);
+  }
+  require_unique(walls, "wall");
+  for (auto& row : walls) grains.walls.push_back(read_wall(row, table, grains));
+  for (auto& row : root.at("body").list()) build_contact(row, table, grains);
+  if (root.has("packing")) grains.packing = read_packing(root.at("packing"), root);
+  scene.grains = std::move(grains);
+}
+
+}  // namespace coupling

@@ -1,0 +1,38 @@
+#pragma once
+// The parts of read_scene(): each turns checked tables into its part of the Scene, follows names to what they mean, and
+// writes derived values back into the tables, so that the resolved scene shows them.
+#include <string>
+#include <vector>
+
+#include "base/value.hpp"
+#include "coupling/scene.hpp"
+
+namespace coupling {
+
+// ---- scene_names.cpp
+/// `name` of every row of a list of tables.
+std::vector<std::string> names_of(const base::Value::List&);
+/// Throws when two rows have one name; noun: "stage".
+void require_unique(const base::Value::List&, const std::string& noun);
+/// Throws when the text is none of the known names; noun: "body", plural: "bodies".
+void require_known(const base::Value& text, const std::vector<std::string>& known, const std::string& noun,
+                   const std::string& plural);
+/// Throws when the box has no volume.
+Box read_box(const base::Value&);
+/// Throws when the normal is zero.
+dem::Plane read_plane(const base::Value&);
+std::map<std::string, double> read_numbers(const base::Value&);
+/// Throws when a .geo file does not hold one of the parameters.
+void require_mesh_parameters(const base::Value& table_with_mesh);
+
+// ---- one for each part of the file; `root` is the checked scene
+void build_stages(base::Value& root, Scene&);
+void build_bodies(base::Value& root, Scene&);
+void build_grains(base::Value& root, Scene&);
+void build_probes(base::Value& root, Scene&);
+void build_results(base::Value& root, Scene&);
+
+/// FNV-1a over everything that decides the packing.
+std::string packing_hash(const base::Value& root, const Scene&);
+
+}  // namespace coupling

@@ -1,0 +1,358 @@
+#include "coupling/scene_tables.hpp"
+
+#include "base/histories.hpp"
+#include "fem/fem.hpp"
+
+namespace coupling {
+
+using base::Family;
+using base::Table;
+using base::Vec3;
+
+namespace {
+const Table& box_table() {
+  static const Table table{"box",
+                           "an upright box, between two corners",
+                           {base::vector("lower", "m", "corner with the smallest coordinates"),
+                            base::vector("upper", "m", "corner with the largest coordinates")}};
+  return table;
+}
+
+const Table& plane_table() {
+  static const Table table{"plane",
+                           "an infinite plane",
+                           {base::vector("point", "m", "a point of the plane"),
+                            base::vector("normal", "", "normal, of any length; grains live on the side it points to")}};
+  return table;
+}
+
+const Table& cut_table() {
+  static const Table table{
+      "packing.cuts",
+      "a plane that trims the finished packing",
+      {base::vector("point", "m", "a point of the plane"),
+       base::vector("normal", "", "normal, of any length; grains that reach beyond on this side are taken out")}};
+  return table;
+}
+
+base::Parameter friction(const char* with) {
+  return base::real("friction", "", std::string("Coulomb coefficient ") + with).at_least(0);
+}
+base::Parameter restitution(const char* with) {
+  return base::real("restitution", "", std::string("normal coefficient of restitution ") + with).above(0).at_most(1);
+}
+base::Parameter rolling_friction(const char* with) {
+  return base::real("rolling_friction", "", std::string("rolling friction ") + with + ", Irazabal2017 5.3").at_least(0);
+}
+base::Parameter young_modulus(const char* of) {
+  return base::real("young_modulus", "Pa", std::string("Young's modulus of ") + of).above(0);
+}
+base::Parameter poisson_ratio(const char* of) {
+  return base::real("poisson_ratio", "", std::string("Poisson ratio of ") + of).above(-1).at_most(0.5);
+}
+constexpr const char* own = "the grains' own";
+}  // namespace
+
+const Table& time_table() {
+  static const Table table{
+      "time",
+      "steps of both sides",
+      {base::real("dem_fraction", "", "share of the grains' stable step (Rayleigh) to use")
+           .above(0)
+           .at_most(1)
+           .otherwise(0.25),
+       base::real("fem_fraction", "", "share of the bodies' stable step (2/omega_max) to use")
+           .above(0)
+           .at_most(1)
+           .otherwise(0.9),
+       base::real("dem_step", "s", "longest step of the grains, instead of dem_fraction")
+           .above(0)
+           .optional("from dem_fraction"),
+       base::real("fem_step", "s", "longest step of the bodies, instead of fem_fraction")
+           .above(0)
+           .optional("from fem_fraction"),
+       base::boolean("force_step", "run even with a step above its limit; it will become unstable").otherwise(false)}};
+  return table;
+}
+
+const Table& grain_material_table() {
+  static const Table table{
+      "grains.material",
+      "elastic grains: Hertz-Mindlin contact, Irazabal2017 3.2.3",
+      {base::name("name", "for messages").otherwise("grains"), young_modulus("the grains"), poisson_ratio("the grains"),
+       base::real("density", "kg/m3", "density of the grains").above(0)}};
+  return table;
+}
+
+const Table& grains_table() {
+  static const Table table{
+      "grains",
+      "what all grains share; without this table there is no DEM",
+      {base::table("material", grain_material_table(), "of the grains"), friction("between grains"),
+       restitution("between grains"), rolling_friction("between grains").otherwise(0.0),
+       base::boolean("rotations", "grains may turn").otherwise(true),
+       base::real("neighbour_skin", "m", "margin of the neighbour list; 0: chosen").at_least(0).otherwise(0.0),
+       base::real("maximum_overlap", "", "overlap over the smaller radius above which a run is declared unstable")
+           .above(0)
+           .at_most(1)
+           .otherwise(0.3)}};
+  return table;
+}
+
+const Table& grain_table() {
+  static const Table table{"grain",
+                           "one grain",
+                           {base::vector("position", "m", "centre"), base::real("radius", "m", "radius").above(0),
+                            base::vector("velocity", "m/s", "at the start").otherwise(Vec3{}),
+                            base::vector("angular_velocity", "rad/s", "at the start").otherwise(Vec3{})}};
+  return table;
+}
+
+const Table& wall_material_table() {
+  static const Table table{
+      "wall.material", "elastic constants of a wall", {young_modulus("the wall"), poisson_ratio("the wall")}};
+  return table;
+}
+
+const Table& wall_table() {
+  static const Table table{"wall",
+                           "a rigid wall for the grains",
+                           {base::name("name", "for messages and probes"),
+                            base::table("plane", plane_table(), "an infinite plane").optional("`mesh` instead"),
+                            base::path("mesh", "a surface from a .stl, .msh or .geo file").optional("`plane` instead"),
+                            base::numbers("mesh_parameters", "", "numbers set in the .geo").otherwise_empty(),
+                            base::table("material", wall_material_table(), "of the wall").optional(own),
+                            friction("with grains").optional(own), restitution("with grains").optional(own),
+                            rolling_friction("with grains").optional(own),
+                            base::vector("velocity", "m/s", "rigid translation").otherwise(Vec3{}),
+                            base::boolean("two_sided", "grains may touch a mesh from either side").otherwise(false),
+                            base::boolean("packing_only", "taken away when the packing is done").otherwise(false)}};
+  return table;
+}
+
+const Table& layer_table() {
+  static const Table table{
+      "packing.layer",
+      "one lift: poured, settled, struck off at the box's top, levelled",
+      {base::table("box", box_table(), "what the lift is to fill"),
+       base::real("overfill", "", "more solid volume than needed by this share").at_least(0).otherwise(0.1),
+       base::boolean("plate", "press a level plate down to the box's top afterwards").otherwise(true),
+       base::texts("bodies", "bodies already in place, as rigid surfaces").otherwise_empty(),
+       base::real("settle", "s", "time for the grains to come down and calm").at_least(0).otherwise(0.5)}};
+  return table;
+}
+
+const Table& packing_table() {
+  static const Table table{
+      "packing",
+      "how the bed of grains is made",
+      {base::pairs("grading", "m", "[sieve size, mass share passing], rising; sizes spread evenly between sieves")
+           .at_least(0)
+           .at_most(1),
+       base::integer("seed", "of the random numbers").at_least(0).otherwise(1),
+       young_modulus("the grains while packing").optional(own), friction("while packing").optional(own),
+       rolling_friction("while packing").optional(own),
+       base::real("target_porosity", "", "decides how many grains are poured").above(0).below(1).otherwise(0.4),
+       base::real("grain_damping", "1/s", "artificial damping -alpha m v while packing").at_least(0).otherwise(0.0),
+       base::real("plate_speed", "m/s", "of the levelling plate").above(0).otherwise(0.2),
+       base::boolean("cache", "keep the packing and use it again while nothing that makes it changes").otherwise(true),
+       base::tables("cuts", cut_table(), "planes that trim the finished packing").otherwise_empty(),
+       base::tables("layer", layer_table(), "lifts, from below")}};
+  return table;
+}
+
+const Family& material_family() {
+  static const Family family{
+      "law",
+      "materials",
+      {{"linear_elastic",
+        "isotropic Hooke's law, small strains",
+        {base::text("law", "stress from strain").among({"linear_elastic"}).otherwise("linear_elastic"),
+         base::text("group", "physical volume of the mesh").otherwise(""), young_modulus("the solid"),
+         base::real("poisson_ratio", "", "Poisson ratio of the solid").above(-1).below(0.5),
+         base::real("density", "kg/m3", "density of the solid").above(0)}}}};
+  return family;
+}
+
+const Table& support_table() {
+  static const Table table{"body.support",
+                           "a group that cannot move in some directions",
+                           {base::text("group", "physical surface, curve or point of the mesh"),
+                            base::texts("fix", "fixed directions").among({"x", "y", "z"})}};
+  return table;
+}
+
+const Family& load_family() {
+  const auto row = [](const char* kind, const char* meaning, const char* unit) {
+    return Table{
+        kind,
+        meaning,
+        {base::name("name", "for history.csv and probes"),
+         base::text("kind", "how the history's value acts").among({kind}),
+         base::text("group", "physical group of the mesh"),
+         base::vector("direction", "", "multiplied by the history's value"),
+         base::table("history", base::history_family(unit), "value over time, see `trackbed list histories`")}};
+  };
+  static const Family family{"kind",
+                             "loads",
+                             {row("face_total", "total force spread evenly over the area of a surface", "N"),
+                              row("nodal_total", "total force shared equally by the nodes of a group", "N"),
+                              row("traction", "force per area of a surface", "Pa")}};
+  return family;
+}
+
+const Table& contact_table() {
+  static const Table table{
+      "body.contact",
+      "how the body's skin meets grains",
+      {young_modulus("the skin").optional("the body's first material"),
+       poisson_ratio("the skin").optional("the body's first material"), friction("with grains").optional(own),
+       restitution("with grains").optional(own), rolling_friction("with grains").optional(own)}};
+  return table;
+}
+
+const Table& body_table() {
+  static const Table table{
+      "body",
+      "a deformable body; without one there is no FEM",
+      {base::name("name", "for files, probes and stages"), base::path("mesh", ".geo (meshed at the start) or .msh"),
+       base::numbers("mesh_parameters", "", "numbers set in the .geo").otherwise_empty(),
+       base::text("element", "see `trackbed list elements`").among(fem::element_names()).otherwise("hex8"),
+       base::vector("translation", "m", "added to every node").otherwise(Vec3{}),
+       base::boolean("gravity", "false: starts in geostatic balance, its own weight is left out").otherwise(true),
+       base::real("damping", "1/s", "mass-proportional damping -alpha m v").at_least(0).otherwise(0.0),
+       base::texts("skin", "physical surfaces that grains can touch").otherwise_empty(),
+       base::tables("material", material_family(), "one, or one per physical volume"),
+       base::tables("support", support_table(), "where it is held").otherwise_empty(),
+       base::tables("load", load_family(), "what pulls on it").otherwise_empty(),
+       base::table("contact", contact_table(), "of its skin with grains").optional("all as in [grains]")}};
+  return table;
+}
+
+const Table& stage_table() {
+  static const Table table{
+      "stage",
+      "a stretch of simulated time; stages run in file order",
+      {base::name("name", "for messages and histories"), base::real("duration", "s", "simulated time").above(0),
+       base::real("grain_damping", "1/s", "artificial damping -alpha m v of the grains").at_least(0).otherwise(0.0),
+       base::numbers("body_damping", "1/s", "damping per body, instead of the body's own")
+           .at_least(0)
+           .otherwise_empty(),
+       base::texts("hold", "bodies fixed in place").otherwise_empty(),
+       base::boolean("ramp_stiffness", "grains' modulus goes from its packing to its loading value").otherwise(false),
+       base::boolean("measure", "its start is the zero of displacement, energy and results").otherwise(false)}};
+  return table;
+}
+
+const std::vector<ProbeRow>& probe_rows() {
+  static const std::vector<ProbeRow> rows{
+      {"displacement", "m", "displacement of a body", ProbeRow::body_motion},
+      {"velocity", "m/s", "velocity of a body", ProbeRow::body_motion},
+      {"acceleration", "m/s2", "acceleration of a body", ProbeRow::body_motion},
+      {"load", "N", "value of a named load (traction: Pa)", ProbeRow::load},
+      {"contact_force", "N", "sum of the grains' forces on a body or wall", ProbeRow::contact},
+      {"contact_stress", "Pa", "the same over an area", ProbeRow::contact_area},
+      {"porosity", "", "share of the box that no grain fills", ProbeRow::box},
+      {"coordination", "", "mean number of contacts of the grains in a box", ProbeRow::box},
+      {"kinetic_energy", "J", "of all grains", ProbeRow::none},
+      {"grain_position", "m", "centre of one grain", ProbeRow::grain},
+      {"grain_velocity", "m/s", "velocity of one grain", ProbeRow::grain},
+      {"grain_angular_velocity", "rad/s", "angular velocity of one grain", ProbeRow::grain}};
+  return rows;
+}
+
+namespace {
+Table probe_table(const ProbeRow& row) {
+  Table table{row.name,
+              row.meaning + std::string(*row.unit ? std::string(" [") + row.unit + "]" : ""),
+              {base::name("name", "column of history.csv"), base::text("kind", "what is measured").among({row.name})}};
+  auto& list = table.parameters;
+  const auto component = base::text("component", "direction").among({"x", "y", "z"}).otherwise("z");
+  switch (row.where) {
+    case ProbeRow::body_motion:
+      list.push_back(base::text("body", "name of the body"));
+      list.push_back(base::text("group", "mean over the nodes of this physical group").optional("`point` instead"));
+      list.push_back(base::vector("point", "m", "at the node nearest to this point").optional("`group` instead"));
+      list.push_back(component);
+      break;
+    case ProbeRow::load:
+      list.push_back(base::text("load", "name of the load"));
+      break;
+    case ProbeRow::contact:
+    case ProbeRow::contact_area:
+      list.push_back(base::text("body", "on the skin of this body").optional("`wall` instead"));
+      list.push_back(base::text("wall", "on this wall").optional("`body` instead"));
+      list.push_back(base::table("box", box_table(), "contact points in it count").optional("all contacts"));
+      if (row.where == ProbeRow::contact_area) list.push_back(base::real("area", "m2", "divides the force").above(0));
+      list.push_back(component);
+      break;
+    case ProbeRow::box:
+      list.push_back(base::table("box", box_table(), "where"));
+      break;
+    case ProbeRow::none:
+      break;
+    case ProbeRow::grain:
+      list.push_back(base::integer("grain", "number of the [[grain]], from 0").at_least(0));
+      list.push_back(component);
+      break;
+  }
+  list.push_back(base::real("scale", "", "factor on the value").otherwise(1.0));
+  return table;
+}
+}  // namespace
+
+const Family& probe_family() {
+  static const Family family = [] {
+    Family all{"kind", "probes", {}};
+    for (const auto& row : probe_rows()) all.rows.push_back(probe_table(row));
+    return all;
+  }();
+  return family;
+}
+
+const Table& result_table() {
+  static const Table table{
+      "result",
+      "a number drawn from a probe, over the time that is measured",
+      {base::name("name", "in summary.json"), base::text("probe", "name of the probe"),
+       base::text("take", "rise: max - first; ratio: max|probe| / max|over|; frequency: of the swing about its middle")
+           .among({"first", "last", "min", "max", "rise", "max_abs", "mean", "range", "frequency", "ratio"})
+           .otherwise("last"),
+       base::text("over", "probe to divide by, for ratio").optional("none"),
+       base::real("scale", "", "factor on the value").otherwise(1.0),
+       base::text("unit", "in which it is shown").optional("SI unit of the probe"),
+       base::quantity("expected", "value to compare with").optional("none"),
+       base::quantities("expected_range", "lower and upper value to compare with").optional("none"),
+       base::text("source", "where the expected value comes from").otherwise("")}};
+  return table;
+}
+
+const Table& output_table() {
+  static const Table table{
+      "output",
+      "what is written, how often",
+      {base::real("interval", "s", "between pictures of the state; 0: only the last").at_least(0).otherwise(0.0),
+       base::real("probe_interval", "s", "between rows of history.csv; 0: every window").at_least(0).otherwise(0.0),
+       base::boolean("contacts", "write contacts.pvd (force chains)").otherwise(false)}};
+  return table;
+}
+
+const Table& scene_table() {
+  static const Table table{"scene",
+                           "the whole file; `include = \"other.toml\"` at its top merges it onto another scene",
+                           {base::text("title", "one line").otherwise(""),
+                            base::vector("gravity", "m/s2", "acceleration of free fall").otherwise(Vec3{0, 0, -9.81}),
+                            base::table("time", time_table(), "steps").otherwise_empty(),
+                            base::table("grains", grains_table(), "what all grains share").optional("no DEM"),
+                            base::tables("grain", grain_table(), "grains one by one").otherwise_empty(),
+                            base::table("packing", packing_table(), "how the bed is made").optional("only [[grain]]"),
+                            base::tables("wall", wall_table(), "rigid walls").otherwise_empty(),
+                            base::tables("body", body_table(), "deformable bodies").otherwise_empty(),
+                            base::tables("stage", stage_table(), "what happens, in order"),
+                            base::tables("probe", probe_family(), "columns of history.csv").otherwise_empty(),
+                            base::tables("result", result_table(), "numbers of summary.json").otherwise_empty(),
+                            base::table("output", output_table(), "what is written").otherwise_empty()}};
+  return table;
+}
+
+}  // namespace coupling
