@@ -1,0 +1,39 @@
+#pragma once
+// Cells and their faces: the split of hexahedra into tetrahedra, the test for crossed or flat cells, and which cell a
+// facet of a named surface belongs to.
+#include <array>
+#include <string>
+#include <vector>
+
+#include "fem/gmsh_reader.hpp"
+
+namespace fem {
+
+/// Cuts every hexahedron into the six tetrahedra round its diagonal 0-6 (Kuhn), 0 being its corner nearest to
+/// (-1, -1, -1), so that boxes and other cells in rows and layers give meshes that fit together; facets are cut along.
+/// Throws base::UserError with `head` where neighbouring cells' diagonals do not meet.
+void split_into_tetrahedra(RawMesh&, const std::string& head);
+
+/// Throws base::UserError with `head`, the cell and its place where a cell is flat or inside out.
+void check_volumes(const RawMesh&, const std::string& head);
+
+/// The facets of a mesh's cells, each outward from its cell.
+class FaceTable {
+ public:
+  explicit FaceTable(const RawMesh&);
+  struct Found {
+    Facet facet{-1, -1, -1, -1};  // outward from the first cell that has it
+    int cells = 0;                // how many cells have it
+  };
+  Found find(const Facet&) const;
+  int boundary_faces() const;
+
+ private:
+  struct Entry {
+    std::array<int, 4> key;
+    Facet facet;
+  };
+  std::vector<Entry> entries_;
+};
+
+}  // namespace fem

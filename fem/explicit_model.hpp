@@ -1,0 +1,95 @@
+#pragma once
+// The explicit model behind the façade: central difference in velocity form, mass-proportional damping taken at the end
+// of the step.
+//   v_half = v + dt/2 a;   u += dt v_half;   a = (F - alpha m v_half) / (m (1 + alpha dt/2));   v = v_half + dt/2 a
+// which is m a + alpha m v = F with v at the end of the step. Source: Hughes (2000), 9.1; Belytschko (2000), box 6.1.
+// Work of a force over a step: half of (F_old + F_new) . (u_new - u_old). With it kinetic + strain - works + losses
+// changes by dt^2/8 (sum m a^2) only: it stays within that, and does not drift.
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fem/assembly.hpp"
+#include "fem/fem.hpp"
+#include "fem/output.hpp"
+
+namespace fem {
+
+class ExplicitModel final : public Model {
+ public:
+  ExplicitModel(MPI_Comm, const Setup&);
+
+  std::vector<BodyCounts> counts() const override { return counts_; }
+  StableStep stable_step() const override { return stable_step_; }
+  void predict(double dt) override;
+  void inner_forces() override;
+  void correct(double dt) override;
+  double time() const override { return time_; }
+  void set_damping(const std::string& body, double alpha) override;
+  void hold(const std::string& body, bool held) override;
+  const std::vector<base::Skin>& skins() const override { return skins_; }
+  std::span<const int> owned_skin_nodes(int skin) const override { return contacts_.at(skin).skin_nodes; }
+  void skin_state(int skin, std::span<Vec3> positions, std::span<Vec3> velocities) const override;
+  void set_skin_forces(int skin, std::span<const Vec3> forces) override;
+  base::Energy energy() const override;
+  void reset_energy() override;
+  Vec3 probe_group(const std::string& body, const std::string& group, Quantity) const override;
+  Vec3 probe_point(const std::string& body, Vec3 point, Quantity) const override;
+  double load_value(const std::string& name) const override;
+  void set_displacement_zero() override;
+  void write(const std::string& directory, double time) override;
+
+ private:
+  struct NodalLoad {
+    Load load;
+    std::vector<std::pair<int, Vec3>> share;  // owned node, its force [N] when the history is 1
+    double value = 0;                         // of the history, as last used
+  };
+  struct Contact {                       // the owned part of a skin
+    std::vector<int> skin_nodes, nodes;  // number in the skin; local number
+    std::vector<Vec3> places;            // [m] reference
+    std::vector<Vec3> given, used;       // [N] set by the caller; as last used
+  };
+  struct BodyState {
+    double damping = 0;  // [1/s]
+    bool held = false;
+  };
+
+  void apply_supports();
+  void make_loads();
+  void make_skins();
+  void count_bodies();
+  void start_accelerations();
+  void gather_external_forces(double time);
+  double update_accelerations(double dt);
+  void agree_on_finite(double measure);
+  int body_index(const std::string& name) const;
+  double gravity_potential() const;
+  Vec3 value_at(int owned_node, Quantity) const;
+  Vec3 mean_over(int body, std::span<const int> nodes, Quantity) const;
+
+  Setup setup_;
+  std::vector<Mesh> meshes_;  // elements are dropped after the start where no output needs them
+  Layout layout_;
+  Assembly assembly_;
+  NodalField displacement_, velocity_, acceleration_, inner_, mass_;
+  std::vector<double> external_;      // [N] loads and skin forces of this instant, owned components
+  std::vector<double> inverse_mass_;  // [1/kg] zero where a support holds the component
+  std::vector<double> zero_;          // [m] displacement taken as zero in output and probes; empty: none
+  std::vector<BodyState> states_;
+  std::vector<NodalLoad> loads_;
+  std::vector<base::Skin> skins_;
+  std::vector<Contact> contacts_;
+  std::vector<BodyCounts> counts_;
+  StableStep stable_step_;
+  base::Energy ledger_;      // works and losses of this rank
+  double gravity_zero_ = 0;  // [J] of this rank, at the last reset
+  double time_ = 0;
+  double half_step_ = 0;  // [s] dt/2 between predict and correct, else 0
+  long steps_ = 0;
+  mutable std::vector<std::pair<std::pair<int, std::array<double, 3>>, int>> nearest_;  // body, point: node
+  std::unique_ptr<Output> output_;
+};
+
+}  // namespace fem

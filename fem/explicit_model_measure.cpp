@@ -1,0 +1,121 @@
+// What a model tells of its state: energies, probes, pictures.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fem/communication.hpp"
+#include "fem/explicit_model.hpp"
+
+namespace fem {
+
+int ExplicitModel::body_index(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const auto& body : setup_.bodies) names.push_back(body.name);
+  const auto place = std::ranges::find(names, name);
+  base::require_user(place != names.end(),
+                     fmt::format("body \"{}\" does not exist; there are: {}", name, fmt::join(names, ", ")));
+  return static_cast<int>(place - names.begin());
+}
+
+/// Work of gravity from the reference place to the present one: the force is constant, so the sum over steps is this.
+double ExplicitModel::gravity_potential() const {
+  double work = 0;
+  for (std::size_t b = 0; b < setup_.bodies.size(); ++b) {
+    if (!setup_.bodies[b].gravity) continue;
+    for (int i = 3 * layout_.first_owned[b]; i < 3 * layout_.first_owned[b + 1]; ++i) {
+      if (inverse_mass_[i] > 0) work += mass_.data()[i] * setup_.gravity[i % 3] * displacement_.data()[i];
+    }
+  }
+  return work;
+}
+
+base::Energy ExplicitModel::energy() const {
+  double kinetic = 0, strain = 0;
+  for (int i = 0; i < displacement_.owned_size(); ++i) {
+    kinetic += 0.5 * mass_.data()[i] * velocity_.data()[i] * velocity_.data()[i];
+    strain += 0.5 * displacement_.data()[i] * inner_.data()[i];  // linear elasticity: u.K.u / 2
+  }
+  double values[] = {kinetic,
+                     strain,
+                     gravity_potential() - gravity_zero_,
+                     ledger_.work_loads,
+                     ledger_.work_interface,
+                     ledger_.loss_damping};
+  sum(layout_.comm, values, 6);
+  base::Energy energy;
+  energy.kinetic = values[0];
+  energy.strain = values[1];
+  energy.work_gravity = values[2];
+  energy.work_loads = values[3];
+  energy.work_interface = values[4];
+  energy.loss_damping = values[5];
+  return energy;
+}
+
+void ExplicitModel::reset_energy() {
+  ledger_ = {};
+  gravity_zero_ = gravity_potential();
+}
+
+Vec3 ExplicitModel::value_at(int node, Quantity quantity) const {
+  const NodalField& field = quantity == Quantity::displacement ? displacement_
+                            : quantity == Quantity::velocity   ? velocity_
+                                                               : acceleration_;
+  const double* x = field.data() + 3 * static_cast<std::size_t>(node);
+  return {x[0], x[1], x[2]};
+}
+
+Vec3 ExplicitModel::mean_over(int body, std::span<const int> nodes, Quantity quantity) const {
+  Vec3 total;
+  for (const int node : nodes) {
+    const int local = layout_.owned_node(body, node);
+    if (local < 0) continue;
+    total += value_at(local, quantity);
+    if (quantity != Quantity::displacement || zero_.empty()) continue;
+    for (int c = 0; c < 3; ++c) total[c] -= zero_[3 * local + c];
+  }
+  sum(layout_.comm, &total.x, 3);
+  return total * (1.0 / static_cast<double>(nodes.size()));
+}
+
+Vec3 ExplicitModel::probe_group(const std::string& body, const std::string& group, Quantity quantity) const {
+  const int b = body_index(body);
+  const auto& nodes = find_group(meshes_[b], setup_.bodies[b], setup_.bodies[b].origin, "probe.group", group).nodes;
+  return mean_over(b, nodes, quantity);
+}
+
+Vec3 ExplicitModel::probe_point(const std::string& body, Vec3 point, Quantity quantity) const {
+  const int b = body_index(body);
+  const std::pair<int, std::array<double, 3>> key{b, {point.x, point.y, point.z}};
+  auto known = std::ranges::find(nearest_, key, [](const auto& entry) { return entry.first; });
+  if (known == nearest_.end()) {
+    const auto& nodes = meshes_[b].nodes;
+    const auto nearest =
+        std::ranges::min_element(nodes, {}, [&](const Vec3& node) { return base::norm2(node - point); });
+    known = nearest_.insert(nearest_.end(), {key, static_cast<int>(nearest - nodes.begin())});
+  }
+  return mean_over(b, std::span(&known->second, 1), quantity);
+}
+
+double ExplicitModel::load_value(const std::string& name) const {
+  for (const auto& load : loads_) {
+    if (load.load.name == name) return load.load.history->value(time_);
+  }
+  throw base::UserError("load \"" + name + "\" does not exist");
+}
+
+void ExplicitModel::set_displacement_zero() {
+  zero_.assign(displacement_.data(), displacement_.data() + displacement_.owned_size());
+}
+
+void ExplicitModel::write(const std::string& directory, double time) {
+  std::vector<double> shown(displacement_.data(), displacement_.data() + displacement_.owned_size());
+  for (std::size_t i = 0; i < zero_.size(); ++i) shown[i] -= zero_[i];
+  displacement_.begin_to_ghosts();
+  displacement_.end_to_ghosts();
+  output_->write(directory, {time, shown, std::span(velocity_.data(), velocity_.owned_size()), displacement_});
+}
+
+}  // namespace fem

@@ -1,0 +1,204 @@
+// The start of a model: checks, supports, loads, skins.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "fem/communication.hpp"
+#include "fem/explicit_model.hpp"
+#include "fem/stable_step.hpp"
+
+namespace fem {
+namespace {
+
+std::vector<Mesh> read_meshes(MPI_Comm comm, const Setup& setup) {
+  std::set<std::string> names;
+  for (const auto& body : setup.bodies) {
+    check_body(body);
+    base::require_user(names.insert(body.name).second,
+                       message_head(body.origin, body.name) + "there are two bodies of this name");
+  }
+  std::vector<Mesh> meshes;
+  for (const auto& body : setup.bodies) meshes.push_back(read_mesh(comm, body));
+  return meshes;
+}
+
+/// Per node of a body: which components its supports hold.
+std::vector<std::array<bool, 3>> held_components(const Mesh& mesh, const Body& body) {
+  std::vector<std::array<bool, 3>> held(mesh.nodes.size(), {false, false, false});
+  for (const auto& support : body.supports) {
+    for (const int node : find_group(mesh, body, support.origin, "support.group", support.group).nodes) {
+      for (int c = 0; c < 3; ++c) held[node][c] = held[node][c] || support.fixed[c];
+    }
+  }
+  return held;
+}
+
+/// Integral of each corner's shape function over a facet [m2]: 2 x 2 Gauss points on a quadrilateral.
+std::array<double, 4> corner_areas(const Mesh& mesh, const Facet& facet) {
+  std::array<double, 4> areas{};
+  if (facet[3] < 0) {
+    areas.fill(facet_area(mesh, facet) / 3);
+    return areas;
+  }
+  constexpr double xi[4] = {-1, 1, 1, -1}, eta[4] = {-1, -1, 1, 1};
+  for (int p = 0; p < 4; ++p) {
+    const double r = xi[p] / std::sqrt(3.0), s = eta[p] / std::sqrt(3.0);
+    Vec3 along_r, along_s;
+    double shape[4];
+    for (int a = 0; a < 4; ++a) {
+      const Vec3& x = mesh.nodes[facet[a]];
+      shape[a] = 0.25 * (1 + xi[a] * r) * (1 + eta[a] * s);
+      along_r += x * (0.25 * xi[a] * (1 + eta[a] * s));
+      along_s += x * (0.25 * eta[a] * (1 + xi[a] * r));
+    }
+    const double area = base::norm(base::cross(along_r, along_s));
+    for (int a = 0; a < 4; ++a) areas[a] += area * shape[a];
+  }
+  return areas;
+}
+
+/// Force [N] of each node of the mesh when the load's history is 1.
+std::map<int, Vec3> nodal_forces(const Mesh& mesh, const Body& body, const Load& load) {
+  const std::string head = message_head(load.origin, body.name);
+  const Group& group = find_group(mesh, body, load.origin, "load.group", load.group);
+  std::map<int, Vec3> forces;
+  if (load.kind == LoadKind::nodal_total) {
+    for (const int node : group.nodes) forces[node] += load.direction * (1.0 / static_cast<double>(group.nodes.size()));
+    return forces;
+  }
+  base::require_user(
+      !group.facets.empty(),
+      fmt::format("{}load.group = \"{}\" is not a surface; a load over an area needs a physical surface, or "
+                  "use kind = \"nodal_total\"",
+                  head, load.group));
+  double total = 0;
+  for (const auto& facet : group.facets) {
+    const auto areas = corner_areas(mesh, facet);
+    for (int a = 0; a < (facet[3] < 0 ? 3 : 4); ++a) {
+      forces[facet[a]] += load.direction * areas[a];
+      total += areas[a];
+    }
+  }
+  if (load.kind == LoadKind::face_total) {
+    for (auto& [node, force] : forces) force *= 1 / total;
+  }
+  return forces;
+}
+
+}  // namespace
+
+ExplicitModel::ExplicitModel(MPI_Comm comm, const Setup& setup)
+    : setup_(setup),
+      meshes_(read_meshes(comm, setup)),
+      layout_(comm, meshes_),
+      assembly_(setup_, meshes_, layout_),
+      displacement_(layout_),
+      velocity_(layout_),
+      acceleration_(layout_),
+      inner_(layout_),
+      mass_(layout_),
+      external_(displacement_.owned_size(), 0.0),
+      inverse_mass_(displacement_.owned_size(), 0.0) {
+  for (const auto& body : setup_.bodies) states_.push_back({body.damping, false});
+  assembly_.lumped_mass(mass_);
+  apply_supports();
+  make_loads();
+  make_skins();
+  count_bodies();
+  stable_step_ = find_stable_step(setup_, meshes_, layout_, assembly_, inverse_mass_);
+  output_ = std::make_unique<Output>(setup_, meshes_, layout_, assembly_);
+  if (layout_.rank != 0) {
+    for (auto& mesh : meshes_) mesh.elements = {};
+  }
+  start_accelerations();
+}
+
+void ExplicitModel::apply_supports() {
+  for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {
+    const auto held = held_components(meshes_[b], setup_.bodies[b]);
+    for (int node = layout_.first_owned[b]; node < layout_.first_owned[b + 1]; ++node) {
+      const auto& fixed = held[layout_.global_of_local[node] - layout_.first_node[b]];
+      for (int c = 0; c < 3; ++c) inverse_mass_[3 * node + c] = fixed[c] ? 0 : 1 / mass_.data()[3 * node + c];
+    }
+  }
+}
+
+void ExplicitModel::make_loads() {
+  for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {
+    const Body& body = setup_.bodies[b];
+    const auto held = held_components(meshes_[b], body);
+    for (const auto& load : body.loads) {
+      base::require_internal(load.history != nullptr, "a load without a history");
+      NodalLoad made{load, {}, 0};
+      bool felt = base::norm(load.direction) == 0;  // a load of nothing may act on nothing
+      for (const auto& [node, force] : nodal_forces(meshes_[b], body, load)) {
+        for (int c = 0; c < 3; ++c) felt = felt || (force[c] != 0 && !held[node][c]);
+        if (const int local = layout_.owned_node(b, node); local >= 0) made.share.emplace_back(local, force);
+      }
+      base::require_user(felt,
+                         fmt::format("{}load.group = \"{}\" is held by supports in the direction of the load; the load "
+                                     "would do nothing",
+                                     message_head(load.origin, body.name), load.group));
+      loads_.push_back(std::move(made));
+    }
+  }
+}
+
+void ExplicitModel::make_skins() {
+  for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {
+    const Body& body = setup_.bodies[b];
+    if (body.skin.empty()) continue;
+    base::Skin skin{body.name, {}, {}};
+    Contact contact;
+    std::map<int, int> numbers;  // node of the mesh: node of the skin
+    for (const auto& name : body.skin) {
+      const Group& group = find_group(meshes_[b], body, body.origin, "skin", name);
+      base::require_user(
+          !group.facets.empty() && group.outside,
+          fmt::format("{}skin = \"{}\" is not an outer surface of the body; a skin needs physical surfaces "
+                      "with the body on one side",
+                      message_head(body.origin, body.name), name));
+      for (const auto& facet : group.facets) {
+        auto& numbered = skin.facets.emplace_back(std::array<int, 4>{-1, -1, -1, -1});
+        for (int a = 0; a < (facet[3] < 0 ? 3 : 4); ++a) {
+          const auto [place, fresh] = numbers.try_emplace(facet[a], static_cast<int>(skin.nodes.size()));
+          numbered[a] = place->second;
+          if (!fresh) continue;
+          skin.nodes.push_back(meshes_[b].nodes[facet[a]]);
+          if (const int local = layout_.owned_node(b, facet[a]); local >= 0) {
+            contact.skin_nodes.push_back(place->second);
+            contact.nodes.push_back(local);
+            contact.places.push_back(skin.nodes.back());
+          }
+        }
+      }
+    }
+    contact.given.resize(contact.nodes.size());
+    contact.used.resize(contact.nodes.size());
+    skins_.push_back(std::move(skin));
+    contacts_.push_back(std::move(contact));
+  }
+}
+
+void ExplicitModel::count_bodies() {
+  for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {
+    const Mesh& mesh = meshes_[b];
+    BodyCounts counts{setup_.bodies[b].name, static_cast<std::int64_t>(mesh.nodes.size()),
+                      mesh.element_count(),  mesh.nodes.front(),
+                      mesh.nodes.front(),    0};
+    for (const auto& node : mesh.nodes) {
+      for (int c = 0; c < 3; ++c) {
+        counts.lower[c] = std::min(counts.lower[c], node[c]);
+        counts.upper[c] = std::max(counts.upper[c], node[c]);
+      }
+    }
+    for (int node = layout_.first_owned[b]; node < layout_.first_owned[b + 1]; ++node)
+      counts.mass += mass_.data()[3 * node];
+    sum(layout_.comm, &counts.mass, 1);
+    counts_.push_back(counts);
+  }
+}
+
+}  // namespace fem

@@ -1,0 +1,153 @@
+#include "fem/output.hpp"
+
+#include <fmt/format.h>
+#include <vtkCellData.h>
+#include <vtkCellType.h>
+#include <vtkDoubleArray.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "base/pvd.hpp"
+#include "fem/communication.hpp"
+
+namespace fem {
+namespace {
+
+/// All ranks' numbers one after another, on the first rank.
+template <class T>
+std::vector<T> gathered(const Layout& layout, std::span<const T> values, MPI_Datatype type) {
+  const int count = static_cast<int>(values.size());
+  std::vector<int> counts(layout.ranks), starts(layout.ranks + 1, 0);
+  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, layout.comm);
+  for (int r = 0; r < layout.ranks; ++r) starts[r + 1] = starts[r] + counts[r];
+  std::vector<T> all(layout.rank == 0 ? starts.back() : 0);
+  MPI_Gatherv(values.data(), count, type, all.data(), counts.data(), starts.data(), type, 0, layout.comm);
+  return all;
+}
+
+vtkSmartPointer<vtkDoubleArray> array(const char* name, int components, vtkIdType tuples) {
+  auto result = vtkSmartPointer<vtkDoubleArray>::New();
+  result->SetName(name);
+  result->SetNumberOfComponents(components);
+  result->SetNumberOfTuples(tuples);
+  return result;
+}
+
+double von_mises(const double* s) {
+  const double xy = s[0] - s[1], yz = s[1] - s[2], zx = s[2] - s[0];
+  return std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+}
+
+}  // namespace
+
+struct Output::Impl {
+  const Setup& setup;
+  const std::vector<Mesh>& meshes;
+  const Layout& layout;
+  const Assembly& assembly;
+  std::vector<vtkSmartPointer<vtkUnstructuredGrid>> grids;  // per body, on the first rank, from the first picture on
+  std::vector<std::vector<int>> elements;                   // per body: in the order in which stresses are gathered
+  std::map<std::string, std::pair<base::Pvd, int>> collections;  // per file: and its number of pictures
+
+  void start() {
+    for (int b = 0; b < static_cast<int>(meshes.size()); ++b) {
+      const auto own = assembly.elements_of(b);
+      elements.push_back(gathered<int>(layout, own, MPI_INT));
+      if (layout.rank != 0) continue;
+      const Mesh& mesh = meshes[b];
+      vtkNew<vtkPoints> points;
+      points->SetDataTypeToDouble();
+      for (const auto& node : mesh.nodes) points->InsertNextPoint(node.x, node.y, node.z);
+      auto& grid = grids.emplace_back(vtkSmartPointer<vtkUnstructuredGrid>::New());
+      grid->SetPoints(points);
+      grid->Allocate(mesh.element_count());
+      vtkNew<vtkIntArray> region;
+      region->SetName("region");
+      for (int e = 0; e < mesh.element_count(); ++e) {
+        vtkIdType nodes[8];
+        std::copy_n(mesh.element(e), mesh.element_nodes, nodes);
+        grid->InsertNextCell(mesh.element_nodes == 8 ? VTK_HEXAHEDRON : VTK_TETRA, mesh.element_nodes, nodes);
+        region->InsertNextValue(mesh.regions[e]);
+      }
+      grid->GetCellData()->AddArray(region);
+    }
+  }
+
+  void set_points(int b, const char* name, const std::vector<double>& values) {
+    const auto nodes = static_cast<vtkIdType>(meshes[b].nodes.size());
+    auto data = array(name, 3, nodes);
+    for (vtkIdType i = 0; i < nodes; ++i) {
+      data->SetTuple(i, values.data() + 3 * static_cast<std::size_t>(layout.petsc_of_global[layout.first_node[b] + i]));
+    }
+    grids[b]->GetPointData()->AddArray(data);
+  }
+
+  void set_cells(int b, const std::vector<double>& stresses) {
+    constexpr const char* components[6] = {"xx", "yy", "zz", "xy", "yz", "xz"};
+    auto stress = array("stress", 6, meshes[b].element_count()),
+         mises = array("von_mises", 1, meshes[b].element_count());
+    for (int c = 0; c < 6; ++c) stress->SetComponentName(c, components[c]);
+    for (std::size_t i = 0; i < elements[b].size(); ++i) {
+      stress->SetTuple(elements[b][i], stresses.data() + 6 * i);
+      mises->SetValue(elements[b][i], von_mises(stresses.data() + 6 * i));
+    }
+    grids[b]->GetCellData()->AddArray(stress);
+    grids[b]->GetCellData()->AddArray(mises);
+  }
+
+  void write_file(int b, const std::string& directory, double time) {
+    const std::string& name = setup.bodies[b].name;
+    const auto folder = std::filesystem::path(directory) / name;
+    const auto collection_file = std::filesystem::path(directory) / (name + ".pvd");
+    std::error_code failure;
+    std::filesystem::create_directories(folder, failure);
+    auto& [collection, count] =
+        collections.try_emplace(collection_file.string(), base::Pvd(collection_file), 0).first->second;
+    const std::string file = fmt::format("{}_{:04d}.vtu", name, count++);
+    vtkNew<vtkXMLUnstructuredGridWriter> writer;
+    writer->SetFileName((folder / file).c_str());
+    writer->SetInputData(grids[b]);
+    const bool written = !failure && writer->Write() == 1 && writer->GetErrorCode() == 0;
+    if (!written) {
+      throw base::MachineError("cannot write " + (folder / file).string() + ": is the disk full or read-only?");
+    }
+    collection.add(time, name + "/" + file);
+  }
+};
+
+Output::Output(const Setup& setup, const std::vector<Mesh>& meshes, const Layout& layout, const Assembly& assembly)
+    : impl_(std::make_unique<Impl>(Impl{setup, meshes, layout, assembly, {}, {}, {}})) {}
+
+Output::~Output() = default;
+
+void Output::write(const std::string& directory, const Frame& frame) {
+  Impl& impl = *impl_;
+  const Layout& layout = impl.layout;
+  if (impl.elements.empty()) impl.start();
+  const auto displacement = gathered<double>(layout, frame.displacement, MPI_DOUBLE);
+  const auto velocity = gathered<double>(layout, frame.velocity, MPI_DOUBLE);
+  std::vector<std::vector<double>> stresses;
+  for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
+    const auto own = impl.assembly.stresses(b, frame.strained);
+    stresses.push_back(
+        gathered<double>(layout, {own.empty() ? nullptr : own.front().data(), 6 * own.size()}, MPI_DOUBLE));
+  }
+  on_first_rank(layout.comm, [&] {
+    for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
+      impl.set_points(b, "displacement", displacement);
+      impl.set_points(b, "velocity", velocity);
+      impl.set_cells(b, stresses[b]);
+      impl.write_file(b, directory, frame.time);
+    }
+  });
+}
+
+}  // namespace fem

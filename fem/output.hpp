@@ -1,0 +1,30 @@
+#pragma once
+// Pictures of the bodies for ParaView, written by the first rank: DIR/<body>.pvd and DIR/<body>/<body>_NNNN.vtu.
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fem/assembly.hpp"
+
+namespace fem {
+
+struct Frame {
+  double time;                                     // [s]
+  std::span<const double> displacement, velocity;  // [m] [m/s] owned components
+  const NodalField& strained;                      // displacements that stresses follow from; ghosts up to date
+};
+
+class Output {
+ public:
+  Output(const Setup&, const std::vector<Mesh>&, const Layout&, const Assembly&);
+  ~Output();
+  /// Collective; throws base::MachineError on every rank when the disk fails.
+  void write(const std::string& directory, const Frame&);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace fem
