@@ -1,0 +1,124 @@
+#pragma once
+// The one place that knows which Thrust system runs the loops. Everything in dem/core is compiled once per system (by
+// backend_omp.cpp and backend_cuda.cu), each time in the system's own namespace, so that the two halves of the program
+// share no symbol. The namespace name is a macro for that reason alone.
+#if defined(TRACKBED_DEM_CUDA)
+#include <thrust/system/cuda/execution_policy.h>
+#include <thrust/system/cuda/vector.h>
+#define TRACKBED_DEM_SYSTEM cuda_system
+#else
+#include <thrust/system/omp/execution_policy.h>
+#include <thrust/system/omp/vector.h>
+#define TRACKBED_DEM_SYSTEM omp_system
+#endif
+
+#include <thrust/binary_search.h>
+#include <thrust/copy.h>
+#include <thrust/fill.h>
+#include <thrust/for_each.h>
+#include <thrust/functional.h>
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/scan.h>
+#include <thrust/sequence.h>
+#include <thrust/sort.h>
+#include <thrust/transform_reduce.h>
+
+#include <span>
+#include <vector>
+
+#include "base/vec3.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+using base::Vec3;
+
+#if defined(TRACKBED_DEM_CUDA)
+template <class T>
+using Vector = thrust::cuda::vector<T>;
+inline auto policy() { return thrust::cuda::par_nosync; }
+#else
+template <class T>
+using Vector = thrust::omp::vector<T>;
+inline auto policy() { return thrust::omp::par; }
+#endif
+
+template <class T>
+T* pointer(Vector<T>& v) {
+  return v.empty() ? nullptr : thrust::raw_pointer_cast(v.data());
+}
+template <class T>
+const T* pointer(const Vector<T>& v) {
+  return v.empty() ? nullptr : thrust::raw_pointer_cast(v.data());
+}
+
+template <class T>
+std::vector<T> download(const Vector<T>& v) {
+  std::vector<T> host(v.size());
+  thrust::copy(v.begin(), v.end(), host.begin());
+  return host;
+}
+template <class T>
+void upload(std::span<const T> host, Vector<T>& v) {
+  v.resize(host.size());
+  thrust::copy(host.begin(), host.end(), v.begin());
+}
+template <class T>
+void upload(const std::vector<T>& host, Vector<T>& v) {
+  upload(std::span<const T>(host), v);
+}
+template <class T>
+void release(Vector<T>& v) {
+  Vector<T>().swap(v);
+}
+template <class T>
+std::size_t bytes_of(const Vector<T>& v) {
+  return v.capacity() * sizeof(T);
+}
+
+/// Calls functor(index) for 0 … n-1, in any order.
+template <class Functor>
+void launch(int n, Functor functor) {
+  if (n > 0) thrust::for_each_n(policy(), thrust::counting_iterator<int>(0), n, functor);
+}
+
+/// Reduction of functor(index) with an operation that does not depend on the order (maximum, logical or, integer sum).
+template <class T, class Functor, class Operation>
+T reduce(int n, Functor functor, T start, Operation operation) {
+  const thrust::counting_iterator<int> first(0);
+  return n > 0 ? thrust::transform_reduce(policy(), first, first + n, functor, start, operation) : start;
+}
+
+template <int N>
+struct Sums {
+  double value[N] = {};
+};
+
+constexpr int sum_block = 256;
+
+template <int N, class Functor>
+struct SumBlock {
+  Functor functor;  // void operator()(int index, Sums<N>&): adds its terms
+  Sums<N>* partial;
+  int n;
+  TRACKBED_HD void operator()(int block) const {
+    Sums<N> sums;
+    const int last = (block + 1) * sum_block < n ? (block + 1) * sum_block : n;
+    for (int index = block * sum_block; index < last; ++index) functor(index, sums);
+    partial[block] = sums;
+  }
+};
+
+/// Sums in an order that depends on n alone, so that they are the same to the last bit for any number of threads.
+template <int N, class Functor>
+Sums<N> ordered_sum(int n, Functor functor) {
+  Sums<N> total;
+  if (n <= 0) return total;
+  const int blocks = (n + sum_block - 1) / sum_block;
+  Vector<Sums<N>> partial(blocks);
+  launch(blocks, SumBlock<N, Functor>{functor, pointer(partial), n});
+  for (const auto& block : download(partial))
+    for (int k = 0; k < N; ++k) total.value[k] += block.value[k];
+  return total;
+}
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -1,0 +1,88 @@
+#pragma once
+// Sums of what grains, pairs and wall candidates have noted down.
+#include "dem/core/wall_list.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+struct SumPairs {  // loss_friction, loss_damping, elastic_normal, elastic_shear
+  const ContactLedger* ledger;
+  TRACKBED_HD void operator()(int c, Sums<4>& s) const {
+    const ContactLedger& l = ledger[c];
+    s.value[0] += l.loss_friction;
+    s.value[1] += l.loss_damping;
+    s.value[2] += l.elastic_normal;
+    s.value[3] += l.elastic_shear;
+  }
+};
+struct ClearPairLosses {
+  ContactLedger* ledger;
+  TRACKBED_HD void operator()(int c) const { ledger[c].loss_friction = ledger[c].loss_damping = 0; }
+};
+
+struct SumWalls {  // as SumPairs, then work of rigid walls, work of coupled meshes
+  const WallLedger* ledger;
+  const int* candidate;
+  const Facet* facet;
+  const WallRow* wall;
+  TRACKBED_HD void operator()(int c, Sums<6>& s) const {
+    const WallLedger& l = ledger[c];
+    s.value[0] += l.loss_friction;
+    s.value[1] += l.loss_damping;
+    s.value[2] += l.elastic_normal;
+    s.value[3] += l.elastic_shear;
+    s.value[wall[facet[candidate[c]].wall].interface ? 5 : 4] += l.work;
+  }
+};
+struct ClearWallLosses {
+  WallLedger* ledger;
+  TRACKBED_HD void operator()(int c) const { ledger[c].loss_friction = ledger[c].loss_damping = ledger[c].work = 0; }
+};
+
+struct SumGrainLosses {  // loss_rolling, loss_damping
+  const GrainLedger* ledger;
+  TRACKBED_HD void operator()(int g, Sums<2>& s) const {
+    s.value[0] += ledger[g].loss_rolling;
+    s.value[1] += ledger[g].loss_damping;
+  }
+};
+struct SumKinetic {
+  const Translation* translation;
+  const Rotation* rotation;
+  TRACKBED_HD void operator()(int g, Sums<1>& s) const {
+    s.value[0] += 0.5 * translation[g].mass * norm2(translation[g].velocity);
+    if (rotation) s.value[0] += 0.5 * rotation[g].inertia * norm2(rotation[g].velocity);
+  }
+};
+/// Work that a constant gravity could have done from the origin to here. Its change is gravity's work, exactly.
+struct SumGravity {
+  const Place* place;
+  const Translation* translation;
+  Vec3 gravity;
+  TRACKBED_HD void operator()(int g, Sums<1>& s) const {
+    s.value[0] += translation[g].mass * dot(gravity, place[g].position);
+  }
+};
+
+struct SumImpulse {
+  const Vec3* impulse;
+  const int* candidate;
+  const Facet* facet;
+  int wall;
+  TRACKBED_HD void operator()(int c, Sums<3>& s) const {
+    if (facet[candidate[c]].wall != wall) return;
+    s.value[0] += impulse[c].x;
+    s.value[1] += impulse[c].y;
+    s.value[2] += impulse[c].z;
+  }
+};
+
+struct CountPairContacts {
+  const PairForce* result;
+  TRACKBED_HD int operator()(int c) const { return result[c].half_overlap > 0 ? 1 : 0; }
+};
+struct CountWallContacts {
+  const WallState* state;
+  TRACKBED_HD int operator()(int c) const { return state[c].overlap > 0 ? 1 : 0; }
+};
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -1,0 +1,139 @@
+#pragma once
+// Half list of candidate pairs: every two grains whose surfaces are nearer than the skin, once, in the row of the grain
+// with the lower index, sorted. `other` lists for each grain the pairs in which it is the second one.
+#include "dem/core/cell_grid.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+struct PairSearch {
+  CellGrid grid;
+  const int* bucket_start;  // grains are sorted by bucket
+  const Place* place;
+  double skin;
+
+  /// Calls visit(j) for every neighbour of grain g.
+  template <class Visit>
+  TRACKBED_HD void neighbours(int g, Visit&& visit) const {
+    const Place p = place[g];
+    const long long cx = grid.cell(p.position.x), cy = grid.cell(p.position.y), cz = grid.cell(p.position.z);
+    for (int dz = -1; dz <= 1; ++dz)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          const int b = grid.bucket(grid.wrap(cx + dx, 0), grid.wrap(cy + dy, 1), grid.wrap(cz + dz, 2));
+          for (int j = bucket_start[b]; j < bucket_start[b + 1]; ++j) {
+            const double reach = p.radius + place[j].radius + skin;
+            if (j != g && norm2(p.position - place[j].position) < reach * reach) visit(j);
+          }
+        }
+  }
+};
+
+struct CountPairs {
+  PairSearch search;
+  int *own, *others;
+  struct Visit {
+    int g, own, others;
+    TRACKBED_HD void operator()(int j) { ++(j > g ? own : others); }
+  };
+  TRACKBED_HD void operator()(int g) const {
+    Visit visit{g, 0, 0};
+    search.neighbours(g, visit);
+    own[g] = visit.own;
+    others[g] = visit.others;
+  }
+};
+
+struct FillPairs {
+  PairSearch search;
+  const int *own_start, *other_start;
+  int *first, *second, *other;  // `other` gets the partner's index for now
+  struct Visit {
+    int g, *own, *others;
+    int own_count, other_count;
+    TRACKBED_HD static void insert(int* list, int& count, int value) {
+      int k = count++;
+      for (; k > 0 && list[k - 1] > value; --k) list[k] = list[k - 1];
+      list[k] = value;
+    }
+    TRACKBED_HD void operator()(int j) {
+      if (j > g)
+        insert(own, own_count, j);
+      else
+        insert(others, other_count, j);
+    }
+  };
+  TRACKBED_HD void operator()(int g) const {
+    search.neighbours(g, Visit{g, second + own_start[g], other + other_start[g], 0, 0});
+    for (int c = own_start[g]; c < own_start[g + 1]; ++c) first[c] = g;
+  }
+};
+
+/// Position of `value` in the sorted list[begin … end), or -1.
+TRACKBED_HD inline int find_sorted(const int* list, int begin, int end, int value) {
+  while (begin < end) {
+    const int middle = begin + (end - begin) / 2;
+    if (list[middle] < value)
+      begin = middle + 1;
+    else if (list[middle] > value)
+      end = middle;
+    else
+      return middle;
+  }
+  return -1;
+}
+
+/// Turns partners into pair numbers: in row g, partner k owns the pair (k, g).
+struct LinkOthers {
+  const int *own_start, *second, *other_start;
+  int* other;
+  TRACKBED_HD void operator()(int g) const {
+    for (int k = other_start[g]; k < other_start[g + 1]; ++k)
+      other[k] = find_sorted(second, own_start[other[k]], own_start[other[k] + 1], g);
+  }
+};
+
+/// Constants of a pair, and the history it had under the old list and numbering.
+struct CarryPairs {
+  const int *first, *second;
+  const Translation* translation;
+  const Place* place;
+  const int* material;
+  int materials;
+  Reduced* reduced;
+  int* pair;  // null: one material
+  const int* old_of_new;
+  const int *old_start, *old_second;  // null: there was no list
+  const kernels::ContactHistory* old_history;
+  kernels::ContactHistory* history;  // null: none kept
+  const ContactLedger* old_ledger;
+  ContactLedger* ledger;
+  const PairForce* old_result;
+  PairForce* result;
+
+  TRACKBED_HD void operator()(int c) const {
+    const int i = first[c], j = second[c];
+    reduced[c].radius = place[i].radius * place[j].radius / (place[i].radius + place[j].radius);
+    reduced[c].mass = translation[i].mass * translation[j].mass / (translation[i].mass + translation[j].mass);
+    if (pair) pair[c] = material[i] * materials + material[j];
+    result[c] = {};
+    if (history) history[c] = {};
+    if (ledger) ledger[c] = {};
+    const int a = old_of_new[i], b = old_of_new[j];
+    if (!old_start || a < 0 || b < 0) return;
+    const int low = a < b ? a : b, high = a < b ? b : a;
+    const int old = find_sorted(old_second, old_start[low], old_start[low + 1], high);
+    if (old < 0 || !(old_result[old].half_overlap > 0)) return;
+    result[c] = old_result[old];
+    if (a > b) result[c].force = -result[c].force;  // the moment, normal × force, stays
+    if (ledger && old_ledger) {
+      ledger[c].elastic_normal = old_ledger[old].elastic_normal;
+      ledger[c].elastic_shear = old_ledger[old].elastic_shear;
+    }
+    if (history && old_history) {
+      history[c] = old_history[old];
+      if (a > b) history[c].shear_force = -history[c].shear_force;
+    }
+  }
+};
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -1,0 +1,78 @@
+#pragma once
+// The list of candidate pairs with everything that belongs to a pair.
+#include "dem/core/contact_pass.hpp"
+#include "dem/core/grains.hpp"
+#include "dem/core/pair_search.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+struct PairColumns {
+  Vector<int> own_start, other_start, other;  // per grain
+  Vector<int> first, second;                  // per pair
+  Vector<Reduced> reduced;
+  Vector<int> pair;                         // empty: one material
+  Vector<kernels::ContactHistory> history;  // empty: no friction
+  Vector<PairForce> result;
+  Vector<ContactLedger> ledger;  // empty: not tracked
+
+  int size() const { return static_cast<int>(second.size()); }
+  std::size_t bytes() const {
+    return bytes_of(own_start) + bytes_of(other_start) + bytes_of(other) + bytes_of(first) + bytes_of(second) +
+           bytes_of(reduced) + bytes_of(pair) + bytes_of(history) + bytes_of(result) + bytes_of(ledger);
+  }
+};
+
+struct PairOptions {
+  int materials = 1;
+  bool history = true;
+  bool ledger = true;
+  double skin = 0;
+};
+
+/// A new list for grains sorted by bucket; histories come from `old`, whose numbering grains.old_of_new refers to.
+inline PairColumns build_pairs(const Grains& grains, const CellGrid& grid, const Vector<int>& bucket,
+                               const PairColumns& old, const PairOptions& options) {
+  const int n = grains.size();
+  PairColumns list;
+  Vector<int> bucket_start;
+  bucket_starts(bucket, grid.buckets(), bucket_start);
+  const PairSearch search{grid, pointer(bucket_start), pointer(grains.place), options.skin};
+
+  list.own_start.resize(n);
+  list.other_start.resize(n);
+  launch(n, CountPairs{search, pointer(list.own_start), pointer(list.other_start)});
+  const int pairs = counts_to_starts(list.own_start);
+  counts_to_starts(list.other_start);
+  list.first.resize(pairs);
+  list.second.resize(pairs);
+  list.other.resize(pairs);
+  const int *own_start = pointer(list.own_start), *other_start = pointer(list.other_start);
+  launch(n, FillPairs{search, own_start, other_start, pointer(list.first), pointer(list.second), pointer(list.other)});
+  launch(n, LinkOthers{own_start, pointer(list.second), other_start, pointer(list.other)});
+
+  list.reduced.resize(pairs);
+  list.result.resize(pairs);
+  if (options.materials > 1) list.pair.resize(pairs);
+  if (options.history) list.history.resize(pairs);
+  if (options.ledger) list.ledger.resize(pairs);
+  launch(pairs, CarryPairs{.first = pointer(list.first),
+                           .second = pointer(list.second),
+                           .translation = pointer(grains.translation),
+                           .place = pointer(grains.place),
+                           .material = pointer(grains.material),
+                           .materials = options.materials,
+                           .reduced = pointer(list.reduced),
+                           .pair = pointer(list.pair),
+                           .old_of_new = pointer(grains.old_of_new),
+                           .old_start = pointer(old.own_start),
+                           .old_second = pointer(old.second),
+                           .old_history = pointer(old.history),
+                           .history = pointer(list.history),
+                           .old_ledger = pointer(old.ledger),
+                           .ledger = pointer(list.ledger),
+                           .old_result = pointer(old.result),
+                           .result = pointer(list.result)});
+  return list;
+}
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

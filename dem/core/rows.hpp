@@ -1,0 +1,83 @@
+#pragma once
+// What the backend stores. Grains are rows (a contact reads whole rows of two grains that lie anywhere); contacts are
+// columns of rows read in order. Alignment keeps a row within one cache line.
+#include <cstdint>
+
+#include "dem/core/backend.hpp"
+#include "dem/kernels/contact_law.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+// ---- grains
+struct alignas(32) Place {
+  Vec3 position{};    // [m]
+  double radius = 0;  // [m]
+};
+struct alignas(64) Translation {
+  Vec3 velocity{};          // [m/s] at the instant between steps, at the half step within one
+  double mass = 0;          // [kg]
+  Vec3 acceleration{};      // [m/s2] at the last instant
+  double inverse_mass = 0;  // [1/kg]
+};
+struct alignas(64) Rotation {
+  Vec3 velocity{};             // [rad/s]
+  double inertia = 0;          // [kg m2]
+  Vec3 acceleration{};         // [rad/s2]
+  double inverse_inertia = 0;  // [1/(kg m2)]
+};
+struct GrainLedger {
+  double loss_rolling = 0;  // [J]
+  double loss_damping = 0;  // [J]
+};
+
+// ---- pairs of grains
+struct Reduced {
+  double radius = 0;  // [m] R*
+  double mass = 0;    // [kg] m*
+};
+/// Force on i; j gets the opposite. Each grain's arm is -(radius - half_overlap) normal: both forces act at one point,
+/// so linear and angular momentum of the pair are kept to rounding.
+struct alignas(64) PairForce {
+  Vec3 force{};             // [N]
+  double rolling = 0;       // [N m] resistance limit e_c |F_n|
+  Vec3 moment{};            // [N] normal × force
+  double half_overlap = 0;  // [m] 0: no contact
+};
+struct ContactLedger {
+  double loss_friction = 0, loss_damping = 0;    // [J] since the last flush
+  double elastic_normal = 0, elastic_shear = 0;  // [J] stored now
+};
+
+// ---- walls: planes are facets with one node, the plane's point
+struct Facet {
+  int node[4] = {-1, -1, -1, -1};  // node[3] = -1: triangle; node[1] = -1: plane
+  int wall = 0;
+  int live = 1;
+};
+struct WallRow {
+  Vec3 plane_normal{};
+  int material = 0;
+  int two_sided = 0;
+  int moves = 0;      // its nodes have velocities and displacements
+  int interface = 0;  // its work counts as interface work
+  int nodal = 0;      // nodal impulses are kept
+};
+/// State of one (grain, facet) candidate; all zero while it carries no force.
+struct WallState {
+  kernels::ContactHistory history;
+  Vec3 force{};            // [N] on the grain
+  double overlap = 0;      // [m]
+  Vec3 normal{};           // towards the grain
+  double weights[4] = {};  // of the facet's nodes
+};
+struct WallSum {
+  Vec3 force{};        // [N]
+  double rolling = 0;  // [N m]
+  Vec3 torque{};       // [N m]
+};
+/// Sums since the last flush.
+struct NodalImpulse {
+  Vec3 node[4];  // [N s] to the facet's nodes
+};
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

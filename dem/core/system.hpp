@@ -1,0 +1,90 @@
+#pragma once
+// The simulation on one Thrust system: what dem.hpp promises, put together from grains, pairs and walls.
+#include <string>
+
+#include "dem/core/gather_pass.hpp"
+#include "dem/core/ledger.hpp"
+#include "dem/core/pairs.hpp"
+#include "dem/dem.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+class System final : public Simulation {
+ public:
+  System(const Setup&, Backend);
+
+  void add_grains(std::span<const Grain>) override;
+  void remove_grains(std::span<const std::int64_t> ids) override;
+  std::vector<Grain> grains() const override;
+  void set_grains(std::span<const Grain>) override;
+  void set_material(int material, const Material&) override;
+  void set_interaction(int a, int b, const Interaction&) override;
+  void set_gravity(Vec3) override;
+  void set_grain_damping(double alpha) override;
+
+  int add_plane(const Plane&, int material) override;
+  int add_mesh(const base::Skin&, int material, bool two_sided) override;
+  void remove_wall(int wall) override;
+  void set_wall_velocity(int wall, Vec3) override;
+  void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) override;
+  void nodal_impulse(int wall, std::span<Vec3> impulse) const override;
+  Vec3 wall_impulse_on_grains(int wall) const override;
+
+  void advance(int n, double dt) override;
+  double time() const override { return time_; }
+  StableStep stable_step() const override;
+  StableStep contact_stable_step() const override;
+
+  base::Energy energy() const override;
+  void reset_energy() override;
+  std::vector<GrainContact> grain_contacts() const override;
+  std::vector<WallContact> wall_contacts() const override;
+  Counts counts() const override;
+  Backend backend() const override { return backend_; }
+
+ private:
+  // system.hpp: what changes between steps
+  void upload_parameters();
+  void mark_grains_changed();
+  void require_wall(int wall) const;
+  // system_advance.hpp
+  void prepare();
+  void rebuild(double share);
+  void adapt_skin();
+  void evaluate(double dt, double advance);
+  void step(int k, int n, double dt);
+  [[noreturn]] void stop_unstable(int trouble, double dt) const;
+  // system_measure.hpp
+  void flush_losses();
+  void flush_impulses();
+  void settle_gravity();
+  double gravity_potential() const;
+  base::Energy pending() const;
+
+  Setup setup_;
+  Backend backend_;
+  double alpha_ = 0;  // [1/s] artificial damping
+  bool any_friction_ = false, any_rolling_ = false;
+  Grains grains_;
+  PairColumns pairs_;
+  Walls walls_;
+  WallColumns near_walls_;
+  Vector<double> density_;
+  Vector<kernels::PairParameters> grain_parameters_, wall_parameters_;
+  std::vector<kernels::PairParameters> grain_parameters_host_, wall_parameters_host_;
+  Vector<int> trouble_;
+
+  bool materials_changed_ = true, list_is_stale_ = true, forces_are_stale_ = true;
+  double skin_ = 0, skin_share_ = 0.1;  // [m]; of the smallest radius
+  Radii radii_;
+  double time_ = 0, last_dt_ = 0;
+  std::int64_t steps_ = 0, rebuilds_ = 0, last_rebuild_ = 0;
+
+  base::Energy totals_;           // works and losses flushed so far
+  double gravity_reference_ = 0;  // [J]
+  bool gravity_referenced_ = false;
+  mutable std::vector<Vec3> node_impulse_host_;
+  mutable bool node_impulse_current_ = false;
+};
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

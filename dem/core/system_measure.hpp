@@ -1,0 +1,266 @@
+#pragma once
+// Host copies and sums of what the backend holds.
+#include <limits>
+
+#include "dem/contact_step.hpp"
+#include "dem/core/system.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+inline std::vector<Grain> System::grains() const {
+  const auto ids = download(grains_.id);
+  const auto place = download(grains_.place);
+  const auto translation = download(grains_.translation);
+  const auto rotation = download(grains_.rotation);
+  const auto material = download(grains_.material);
+  std::vector<Grain> grains(ids.size());
+  for (std::size_t g = 0; g < ids.size(); ++g)
+    grains[g] = {.position = place[g].position,
+                 .radius = place[g].radius,
+                 .velocity = translation[g].velocity,
+                 .angular_velocity = rotation.empty() ? Vec3{} : rotation[g].velocity,
+                 .material = material[g],
+                 .id = ids[g]};
+  std::sort(grains.begin(), grains.end(), [](const Grain& a, const Grain& b) { return a.id < b.id; });
+  return grains;
+}
+
+// ---- energy
+inline double System::gravity_potential() const {
+  const SumGravity sum{pointer(grains_.place), pointer(grains_.translation), setup_.gravity};
+  return ordered_sum<1>(grains_.size(), sum).value[0];
+}
+
+/// Books the work of gravity up to now; after the change that follows, the reference is taken anew.
+inline void System::settle_gravity() {
+  if (!setup_.track_energy || !gravity_referenced_) return;
+  totals_.work_gravity += gravity_potential() - gravity_reference_;
+  gravity_referenced_ = false;
+}
+
+/// What lies in the rows: stored energies now, works and losses since the last flush.
+inline base::Energy System::pending() const {
+  base::Energy e;
+  if (!setup_.track_energy) return e;
+  const auto pairs = ordered_sum<4>(static_cast<int>(pairs_.ledger.size()), SumPairs{pointer(pairs_.ledger)});
+  const auto walls = ordered_sum<6>(static_cast<int>(near_walls_.ledger.size()),
+                                    SumWalls{pointer(near_walls_.ledger), pointer(near_walls_.candidate),
+                                             pointer(walls_.facets), pointer(walls_.rows)});
+  const auto grains = ordered_sum<2>(static_cast<int>(grains_.ledger.size()), SumGrainLosses{pointer(grains_.ledger)});
+  e.loss_friction = pairs.value[0] + walls.value[0];
+  e.loss_contact_damping = pairs.value[1] + walls.value[1];
+  e.elastic_normal = pairs.value[2] + walls.value[2];
+  e.elastic_shear = pairs.value[3] + walls.value[3];
+  e.work_walls = walls.value[4];
+  e.work_interface = walls.value[5];
+  e.loss_rolling = grains.value[0];
+  e.loss_damping = grains.value[1];
+  return e;
+}
+
+inline void System::flush_losses() {
+  if (!setup_.track_energy) return;
+  const base::Energy e = pending();
+  totals_.loss_friction += e.loss_friction;
+  totals_.loss_contact_damping += e.loss_contact_damping;
+  totals_.loss_rolling += e.loss_rolling;
+  totals_.loss_damping += e.loss_damping;
+  totals_.work_walls += e.work_walls;
+  totals_.work_interface += e.work_interface;
+  launch(static_cast<int>(pairs_.ledger.size()), ClearPairLosses{pointer(pairs_.ledger)});
+  launch(static_cast<int>(near_walls_.ledger.size()), ClearWallLosses{pointer(near_walls_.ledger)});
+  thrust::fill(policy(), grains_.ledger.begin(), grains_.ledger.end(), GrainLedger{});
+}
+
+inline base::Energy System::energy() const {
+  base::Energy e = totals_;
+  if (!setup_.track_energy) return e;
+  const base::Energy p = pending();
+  e.elastic_normal = p.elastic_normal;
+  e.elastic_shear = p.elastic_shear;
+  e.loss_friction += p.loss_friction;
+  e.loss_contact_damping += p.loss_contact_damping;
+  e.loss_rolling += p.loss_rolling;
+  e.loss_damping += p.loss_damping;
+  e.work_walls += p.work_walls;
+  e.work_interface += p.work_interface;
+  if (gravity_referenced_) e.work_gravity += gravity_potential() - gravity_reference_;
+  const SumKinetic kinetic{pointer(grains_.translation), pointer(grains_.rotation)};
+  e.kinetic = ordered_sum<1>(grains_.size(), kinetic).value[0];
+  return e;
+}
+
+inline void System::reset_energy() {
+  settle_gravity();
+  flush_losses();
+  totals_ = {};
+}
+
+// ---- impulses
+inline void System::flush_impulses() {
+  if (near_walls_.size() == 0) return;
+  for (std::size_t k = 0; k < walls_.walls.size(); ++k)
+    walls_.walls[k].impulse = wall_impulse_on_grains(static_cast<int>(k));
+  if (near_walls_.nodal.empty()) return;
+  launch(static_cast<int>(walls_.position.size()),
+         GatherNodes{pointer(near_walls_.node_start), pointer(near_walls_.node_entry), pointer(near_walls_.nodal),
+                     pointer(walls_.node_impulse)});
+}
+
+inline Vec3 System::wall_impulse_on_grains(int wall) const {
+  require_wall(wall);
+  const auto sum = ordered_sum<3>(
+      near_walls_.size(),
+      SumImpulse{pointer(near_walls_.impulse), pointer(near_walls_.candidate), pointer(walls_.facets), wall});
+  return walls_.walls[wall].impulse + Vec3{sum.value[0], sum.value[1], sum.value[2]};
+}
+
+inline void System::nodal_impulse(int wall, std::span<Vec3> impulse) const {
+  require_wall(wall);
+  const HostWall& w = walls_.walls[wall];
+  base::require_internal(walls_.rows_host[wall].nodal, "nodal impulses are kept for meshes with a target only");
+  base::require_internal(impulse.size() == static_cast<std::size_t>(w.nodes), "impulse of another mesh");
+  if (!node_impulse_current_) {
+    Vector<Vec3> total = walls_.node_impulse;
+    if (!near_walls_.nodal.empty())
+      launch(static_cast<int>(total.size()),
+             GatherNodes{pointer(near_walls_.node_start), pointer(near_walls_.node_entry), pointer(near_walls_.nodal),
+                         pointer(total)});
+    node_impulse_host_ = download(total);
+    node_impulse_current_ = true;
+  }
+  std::copy_n(node_impulse_host_.begin() + w.first_node, w.nodes, impulse.begin());
+}
+
+// ---- contacts
+inline std::vector<GrainContact> System::grain_contacts() const {
+  const auto first = download(pairs_.first), second = download(pairs_.second);
+  const auto result = download(pairs_.result);
+  const auto place = download(grains_.place);
+  const auto ids = download(grains_.id);
+  std::vector<GrainContact> contacts;
+  for (std::size_t c = 0; c < result.size(); ++c)
+    if (result[c].half_overlap > 0)
+      contacts.push_back({ids[first[c]], ids[second[c]], place[first[c]].position, place[second[c]].position,
+                          result[c].force, 2 * result[c].half_overlap});
+  return contacts;
+}
+
+inline std::vector<WallContact> System::wall_contacts() const {
+  const auto grain = download(near_walls_.grain), start = download(near_walls_.start);
+  const auto candidate = download(near_walls_.candidate);
+  const auto state = download(near_walls_.state);
+  const auto facets = download(walls_.facets);
+  const auto place = download(grains_.place);
+  const auto ids = download(grains_.id);
+  std::vector<WallContact> contacts;
+  for (std::size_t w = 0; w < grain.size(); ++w)
+    for (int c = start[w]; c < start[w + 1]; ++c) {
+      const Place& p = place[grain[w]];
+      const WallState& s = state[c];
+      if (s.overlap > 0)
+        contacts.push_back({ids[grain[w]], facets[candidate[c]].wall, p.position,
+                            p.position - (p.radius - s.overlap) * s.normal, s.force, s.overlap});
+    }
+  return contacts;
+}
+
+inline Counts System::counts() const {
+  Counts counts;
+  counts.grains = grains_.size();
+  counts.candidate_pairs = pairs_.size();
+  counts.wall_candidates = near_walls_.size();
+  counts.contacts = reduce(pairs_.size(), CountPairContacts{pointer(pairs_.result)}, 0, thrust::plus<int>());
+  counts.wall_contacts =
+      reduce(near_walls_.size(), CountWallContacts{pointer(near_walls_.state)}, 0, thrust::plus<int>());
+  counts.rebuilds = rebuilds_;
+  counts.steps = steps_;
+  counts.bytes = grains_.bytes() + pairs_.bytes() + walls_.bytes() + near_walls_.bytes();
+  return counts;
+}
+
+// ---- stable steps
+inline StableStep System::stable_step() const {
+  StableStep step{std::numeric_limits<double>::infinity(), "no grains"};
+  const auto place = download(grains_.place);
+  const auto material = download(grains_.material);
+  const auto ids = download(grains_.id);
+  std::size_t limiter = 0;
+  for (std::size_t g = 0; g < place.size(); ++g) {
+    const Material& m = setup_.materials[material[g]];
+    const double shear_modulus = m.young_modulus / (2 * (1 + m.poisson_ratio));
+    const double limit =
+        std::numbers::pi * place[g].radius * std::sqrt(m.density / shear_modulus) / (0.1631 * m.poisson_ratio + 0.8766);
+    if (limit > step.limit || (limit == step.limit && ids[g] > ids[limiter])) continue;
+    step.limit = limit;
+    limiter = g;
+  }
+  if (place.empty()) return step;
+  char text[160];
+  std::snprintf(text, sizeof text, "Rayleigh wave over grain %lld (radius %.4g mm, %s)",
+                static_cast<long long>(ids[limiter]), 1e3 * place[limiter].radius,
+                setup_.materials[material[limiter]].name.c_str());
+  step.limiter = text;
+  return step;
+}
+
+inline GrainSpring spring_of(const kernels::PairParameters& material, double radius, double mass, double overlap) {
+  const double patch = std::sqrt(radius * overlap);
+  GrainSpring s;
+  s.normal_stiffness = 2 * material.effective_young_modulus * patch;
+  s.shear_stiffness = material.friction > 0 ? 8 * material.effective_shear_modulus * patch : 0;
+  s.normal_damping = 2 * material.damping_ratio * std::sqrt(mass * s.normal_stiffness);
+  s.shear_damping = 2 * material.damping_ratio * std::sqrt(mass * s.shear_stiffness);
+  return s;
+}
+
+inline StableStep System::contact_stable_step() const {
+  const auto place = download(grains_.place);
+  const auto translation = download(grains_.translation);
+  const auto material = download(grains_.material);
+  const auto ids = download(grains_.id);
+  const int materials = static_cast<int>(setup_.materials.size());
+  std::vector<GrainInertia> inertias;
+  for (std::size_t g = 0; g < place.size(); ++g) {
+    const double mass = translation[g].mass, r = place[g].radius;
+    inertias.push_back({mass, setup_.rotations ? 0.4 * mass * r * r : 0, ids[g]});
+  }
+  std::vector<GrainSpring> springs;
+  const auto first = download(pairs_.first), second = download(pairs_.second);
+  const auto result = download(pairs_.result);
+  const auto reduced = download(pairs_.reduced);
+  for (std::size_t c = 0; c < result.size(); ++c) {
+    if (!(result[c].half_overlap > 0)) continue;
+    const int i = first[c], j = second[c];
+    const double overlap = 2 * result[c].half_overlap;
+    auto s = spring_of(grain_parameters_host_[material[i] * materials + material[j]], reduced[c].radius,
+                       reduced[c].mass, overlap);
+    const Vec3 between = place[i].position - place[j].position;
+    s.normal = (1 / norm(between)) * between;
+    for (const int g : {i, j}) {
+      s.grain = g;
+      s.arm = place[g].radius - result[c].half_overlap;
+      springs.push_back(s);
+    }
+  }
+  const auto grain = download(near_walls_.grain), start = download(near_walls_.start);
+  const auto candidate = download(near_walls_.candidate);
+  const auto state = download(near_walls_.state);
+  const auto facets = download(walls_.facets);
+  for (std::size_t w = 0; w < grain.size(); ++w)
+    for (int c = start[w]; c < start[w + 1]; ++c) {
+      if (!(state[c].overlap > 0)) continue;
+      const int g = grain[w];
+      const int wall_material = walls_.rows_host[facets[candidate[c]].wall].material;
+      auto s = spring_of(wall_parameters_host_[material[g] * materials + wall_material], place[g].radius,
+                         translation[g].mass, state[c].overlap);
+      s.grain = g;
+      s.normal = state[c].normal;
+      s.arm = place[g].radius - state[c].overlap;
+      s.other_is_free = false;
+      springs.push_back(s);
+    }
+  return contact_step(inertias, springs);
+}
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

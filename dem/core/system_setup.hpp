@@ -1,0 +1,171 @@
+#pragma once
+// What a simulation is made of, and what is changed between two calls of advance().
+#include <unordered_map>
+
+#include "dem/core/system.hpp"
+#include "dem/pair_parameters.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+inline System::System(const Setup& setup, Backend backend) : setup_(setup), backend_(backend) {
+  const std::size_t materials = setup.materials.size();
+  base::require_user(materials > 0, "dem: at least one material is needed");
+  base::require_user(setup.interactions.size() == materials * materials,
+                     "dem: interactions must be a square table, materials x materials");
+  base::require_user(setup.skin >= 0 && setup.maximum_overlap > 0, "dem: skin and maximum overlap must be positive");
+  grains_.rotations = setup.rotations;
+  upload(std::vector<int>{0}, trouble_);
+}
+
+inline void System::mark_grains_changed() {
+  list_is_stale_ = forces_are_stale_ = true;
+  gravity_referenced_ = false;
+}
+
+inline void System::upload_parameters() {
+  const auto& materials = setup_.materials;
+  const int count = static_cast<int>(materials.size());
+  std::vector<double> densities;
+  grain_parameters_host_.clear();
+  wall_parameters_host_.clear();
+  const bool had_friction = any_friction_;
+  any_friction_ = any_rolling_ = false;
+  for (int a = 0; a < count; ++a) {
+    densities.push_back(materials[a].density);
+    for (int b = 0; b < count; ++b) {
+      const Interaction& between = setup_.interactions[a * count + b];
+      grain_parameters_host_.push_back(pair_parameters(materials[a], materials[b], between));
+      wall_parameters_host_.push_back(wall_parameters(materials[a], materials[b], between));
+      any_friction_ = any_friction_ || between.friction > 0;
+      any_rolling_ = any_rolling_ || between.rolling_friction > 0;
+    }
+  }
+  upload(densities, density_);
+  upload(grain_parameters_host_, grain_parameters_);
+  upload(wall_parameters_host_, wall_parameters_);
+  if (any_friction_ != had_friction) list_is_stale_ = true;
+  materials_changed_ = false;
+}
+
+inline void System::add_grains(std::span<const Grain> grains) {
+  const int materials = static_cast<int>(setup_.materials.size());
+  for (const Grain& g : grains) {
+    base::require_user(g.radius > 0, "dem: a grain's radius must be positive");
+    base::require_user(g.material >= 0 && g.material < materials, "dem: a grain names a material that does not exist");
+    base::require_user(setup_.materials[g.material].density > 0, "dem: a grain's material has no density");
+  }
+  if (grains.empty()) return;
+  settle_gravity();
+  grains_.add(grains);
+  materials_changed_ = true;
+  mark_grains_changed();
+}
+
+inline void System::remove_grains(std::span<const std::int64_t> ids) {
+  std::vector<std::int64_t> gone(ids.begin(), ids.end());
+  std::sort(gone.begin(), gone.end());
+  std::vector<int> order;
+  const auto present = download(grains_.id);
+  for (std::size_t g = 0; g < present.size(); ++g)
+    if (!std::binary_search(gone.begin(), gone.end(), present[g])) order.push_back(static_cast<int>(g));
+  if (order.size() == present.size()) return;
+  settle_gravity();
+  flush_losses();
+  Vector<int> kept;
+  upload(order, kept);
+  grains_.keep(kept);
+  mark_grains_changed();
+}
+
+inline void System::set_grains(std::span<const Grain> changed) {
+  settle_gravity();
+  std::unordered_map<std::int64_t, const Grain*> by_id;
+  for (const Grain& g : changed) by_id[g.id] = &g;
+  const auto ids = download(grains_.id);
+  auto place = download(grains_.place);
+  auto translation = download(grains_.translation);
+  auto rotation = download(grains_.rotation);
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    const auto found = by_id.find(ids[k]);
+    if (found == by_id.end()) continue;
+    place[k].position = found->second->position;
+    translation[k].velocity = found->second->velocity;
+    if (!rotation.empty()) rotation[k].velocity = found->second->angular_velocity;
+  }
+  upload(place, grains_.place);
+  upload(translation, grains_.translation);
+  upload(rotation, grains_.rotation);
+  mark_grains_changed();
+}
+
+inline void System::set_material(int material, const Material& m) {
+  base::require_internal(material >= 0 && material < static_cast<int>(setup_.materials.size()), "no such material");
+  settle_gravity();
+  setup_.materials[material] = m;
+  materials_changed_ = true;
+  mark_grains_changed();
+}
+
+inline void System::set_interaction(int a, int b, const Interaction& between) {
+  const int count = static_cast<int>(setup_.materials.size());
+  base::require_internal(a >= 0 && a < count && b >= 0 && b < count, "no such material");
+  setup_.interactions[a * count + b] = setup_.interactions[b * count + a] = between;
+  materials_changed_ = true;
+  forces_are_stale_ = true;
+}
+
+inline void System::set_gravity(Vec3 gravity) {
+  settle_gravity();
+  setup_.gravity = gravity;
+  gravity_referenced_ = false;
+  forces_are_stale_ = true;
+}
+
+inline void System::set_grain_damping(double alpha) {
+  base::require_user(alpha >= 0, "dem: grain damping must not be negative");
+  alpha_ = alpha;
+}
+
+inline void System::require_wall(int wall) const {
+  base::require_internal(wall >= 0 && wall < static_cast<int>(walls_.walls.size()), "no such wall");
+}
+
+inline int System::add_plane(const Plane& plane, int material) {
+  const double length = norm(plane.normal);
+  base::require_user(length > 0, "dem: a plane needs a normal");
+  list_is_stale_ = forces_are_stale_ = true;
+  const WallRow row{.plane_normal = (1 / length) * plane.normal, .material = material};
+  return walls_.add(row, {plane.point}, {Facet{.node = {0, -1, -1, -1}}});
+}
+
+inline int System::add_mesh(const base::Skin& skin, int material, bool two_sided) {
+  std::vector<Facet> facets;
+  for (const auto& nodes : skin.facets) {
+    for (int k = 0; k < 4; ++k)
+      base::require_user((nodes[k] >= 0 || k == 3) && nodes[k] < static_cast<int>(skin.nodes.size()),
+                         "dem: mesh " + skin.body + " has a facet with a node that does not exist");
+    facets.push_back({.node = {nodes[0], nodes[1], nodes[2], nodes[3]}});
+  }
+  list_is_stale_ = forces_are_stale_ = true;
+  return walls_.add({.material = material, .two_sided = two_sided}, skin.nodes, std::move(facets));
+}
+
+inline void System::remove_wall(int wall) {
+  require_wall(wall);
+  walls_.remove(wall);
+  list_is_stale_ = forces_are_stale_ = true;
+}
+
+inline void System::set_wall_velocity(int wall, Vec3 velocity) {
+  require_wall(wall);
+  walls_.set_velocity(wall, velocity);
+}
+
+inline void System::set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+  require_wall(wall);
+  const std::size_t nodes = walls_.walls[wall].nodes;
+  base::require_internal(positions.size() == nodes && velocities.size() == nodes, "target of another mesh");
+  if (walls_.set_target(wall, positions, velocities)) list_is_stale_ = true;
+}
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -1,0 +1,105 @@
+#pragma once
+// The list of (grain, facet) candidates with everything that belongs to one.
+#include "dem/core/wall_search.hpp"
+#include "dem/core/walls.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+struct WallColumns {
+  Vector<int> slot;          // per grain: its place in `grain`, or -1
+  Vector<int> grain, start;  // grains with candidates
+  Vector<WallSum> sum;
+  Vector<int> candidate;  // facet
+  Vector<WallState> state;
+  Vector<Vec3> impulse;
+  Vector<NodalImpulse> nodal;          // empty: no coupled mesh
+  Vector<WallLedger> ledger;           // empty: not tracked
+  Vector<int> node_start, node_entry;  // coupled nodes -> candidates
+
+  int size() const { return static_cast<int>(candidate.size()); }
+  int near_grains() const { return static_cast<int>(grain.size()); }
+  std::size_t bytes() const {
+    return bytes_of(slot) + bytes_of(grain) + bytes_of(start) + bytes_of(sum) + bytes_of(candidate) + bytes_of(state) +
+           bytes_of(impulse) + bytes_of(nodal) + bytes_of(ledger) + bytes_of(node_start) + bytes_of(node_entry);
+  }
+};
+
+struct WallOptions {
+  bool ledger = true;
+  double skin = 0;
+  double largest_radius = 0;
+};
+
+struct FacetTable {
+  Vector<int> bucket_start, entry;
+};
+
+inline FacetTable tabulate_facets(const Walls& walls, const CellGrid& grid, double reach) {
+  FacetTable table;
+  const int n = static_cast<int>(walls.facets.size());
+  const FacetBuckets buckets{grid, pointer(walls.facets), pointer(walls.position), reach};
+  Vector<int> start(n);
+  launch(n, CountBuckets{buckets, pointer(start)});
+  const int entries = counts_to_starts(start);
+  if (entries == 0) return table;
+  Vector<int> bucket(entries);
+  table.entry.resize(entries);
+  launch(n, FillBuckets{buckets, pointer(start), pointer(bucket), pointer(table.entry)});
+  thrust::stable_sort_by_key(policy(), bucket.begin(), bucket.end(), table.entry.begin());
+  bucket_starts(bucket, grid.buckets(), table.bucket_start);
+  return table;
+}
+
+inline void link_nodes(const Walls& walls, WallColumns& list) {
+  const int nodes = static_cast<int>(walls.position.size()), entries = 4 * list.size();
+  Vector<int> node(entries);
+  list.node_entry.resize(entries);
+  launch(entries, CandidateNode{pointer(list.candidate), pointer(walls.facets), pointer(walls.rows), nodes,
+                                pointer(node), pointer(list.node_entry)});
+  thrust::stable_sort_by_key(policy(), node.begin(), node.end(), list.node_entry.begin());
+  bucket_starts(node, nodes, list.node_start);
+}
+
+inline WallColumns build_walls(const Grains& grains, const Walls& walls, const CellGrid& grid, const WallColumns& old,
+                               const WallOptions& options) {
+  WallColumns list;
+  const int n = grains.size();
+  const FacetTable table = tabulate_facets(walls, grid, options.largest_radius + options.skin);
+  const WallSearch search{grid,
+                          pointer(table.bucket_start),
+                          pointer(table.entry),
+                          pointer(walls.planes),
+                          static_cast<int>(walls.planes.size()),
+                          walls.geometry(),
+                          pointer(grains.place),
+                          options.skin};
+  Vector<int> all_start(n);
+  launch(n, CountWalls{search, pointer(all_start)});
+  list.grain.resize(n);
+  const thrust::counting_iterator<int> first(0);
+  const auto last = thrust::copy_if(policy(), first, first + n, list.grain.begin(), IsPositive{pointer(all_start)});
+  list.grain.resize(last - list.grain.begin());
+  const int candidates = counts_to_starts(all_start);
+
+  list.slot.resize(n, -1);
+  list.start.resize(list.grain.size() + 1, candidates);
+  launch(list.near_grains(),
+         SetSlots{pointer(list.grain), pointer(all_start), pointer(list.slot), pointer(list.start)});
+  list.sum.resize(list.grain.size());
+  list.candidate.resize(candidates);
+  list.state.resize(candidates);
+  list.impulse.resize(candidates);
+  if (options.ledger) list.ledger.resize(candidates);
+  const bool had = !old.slot.empty();
+  launch(list.near_grains(),
+         FillWalls{search, pointer(list.grain), pointer(list.start), pointer(list.candidate), pointer(list.state),
+                   pointer(grains.old_of_new), had ? pointer(old.slot) : nullptr, pointer(old.start),
+                   pointer(old.candidate), pointer(old.state)});
+  if (walls.nodal()) {
+    list.nodal.resize(candidates);
+    link_nodes(walls, list);
+  }
+  return list;
+}
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

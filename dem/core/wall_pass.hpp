@@ -1,0 +1,230 @@
+#pragma once
+// Forces between grains and walls: one call per grain that has walls near it. A plane and a facet are treated alike, so
+// a planar wall and the same wall as a mesh give the same forces (Double Hierarchy, Irazabal2017 ch. 4: see
+// kernels/wall_geometry.hpp). Arm of the force: from the grain's centre to the contact point on the wall.
+//
+// Tangential history lives with the (grain, facet) candidate. A grain that slides or rolls from one facet to the next
+// hands it on: a new contact takes the history of a contact with the same wall that ended in this step, if the normals
+// differ by less than 60 degrees.
+#include "dem/core/rows.hpp"
+#include "dem/kernels/wall_geometry.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+/// Contacts one grain can have with facets at one instant, before the hierarchy thins them out.
+constexpr int maximum_wall_contacts = 32;
+enum Trouble : int { overlap_too_large = 1, too_many_wall_contacts = 2 };
+
+struct WallLedger {
+  double loss_friction = 0, loss_damping = 0;    // [J] since the last flush
+  double elastic_normal = 0, elastic_shear = 0;  // [J] stored now
+  double work = 0;                               // [J] of the moving wall on the grain, since the last flush
+};
+
+struct WallGeometry {
+  const Facet* facet;
+  const WallRow* wall;
+  const Vec3* position;  // of the nodes
+
+  /// Nearest point of a facet, if nearer than `reach` and on the side that the wall works on.
+  TRACKBED_HD kernels::FacetContact nearest(int f, const Vec3& centre, double reach) const {
+    const Facet& t = facet[f];
+    const WallRow& w = wall[t.wall];
+    kernels::FacetContact contact;
+    if (t.node[1] < 0) {
+      const double height = dot(centre - position[t.node[0]], w.plane_normal);
+      if (height >= reach) return contact;
+      contact.feature = kernels::Feature::facet;
+      contact.point = centre - height * w.plane_normal;
+      contact.weights[0] = 1;
+      return contact;
+    }
+    const int count = t.node[3] < 0 ? 3 : 4;
+    Vec3 corners[4];
+    for (int k = 0; k < count; ++k) corners[k] = position[t.node[k]];
+    contact = kernels::closest_on_facet(corners, count, centre, reach);
+    if (contact.feature != kernels::Feature::none && !w.two_sided) {
+      const Vec3 outward =
+          cross(corners[count == 3 ? 1 : 2] - corners[0], corners[count - 1] - corners[count == 3 ? 0 : 1]);
+      if (dot(centre - contact.point, outward) < 0) contact.feature = kernels::Feature::none;
+    }
+    return contact;
+  }
+};
+
+struct WallPass {
+  WallGeometry geometry;
+  const Vec3 *node_velocity, *node_displacement;  // null: nothing moves
+  const Place* place;
+  const Translation* translation;
+  const Rotation* rotation;  // null: no rotation
+  const int* grain_material;
+  const kernels::PairParameters* parameters;  // grain material × wall material
+  int materials;
+  const int *grain, *start;  // grains with candidates, and their ranges
+  const int* candidate;      // facets
+  WallState* state;
+  WallSum* sum;
+  Vec3* impulse;        // [N s] received by the grain, since the last flush
+  NodalImpulse* nodal;  // null: no mesh is coupled
+  WallLedger* ledger;   // null: not tracked
+  int* unstable;
+  double maximum_overlap;
+  double dt;  // [s] of the step that ends now; 0: forces at the start
+
+  struct Found {
+    int number = 0;
+    int candidate[maximum_wall_contacts];
+    Vec3 vector[maximum_wall_contacts];
+    double weights[maximum_wall_contacts][4];
+    bool keep[maximum_wall_contacts];
+  };
+
+  TRACKBED_HD void operator()(int w) const {
+    const int g = grain[w];
+    Found found;
+    find(w, g, found);
+    for (int m = 0; m < found.number; ++m)
+      if (found.keep[m] && !(state[found.candidate[m]].history.shear_stiffness > 0)) inherit(w, m, found);
+    WallSum total;
+    int m = 0;
+    for (int c = start[w]; c < start[w + 1]; ++c) {
+      while (m < found.number && found.candidate[m] < c) ++m;
+      if (m < found.number && found.candidate[m] == c && found.keep[m])
+        press(c, g, found.vector[m], found.weights[m], total);
+      else if (state[c].overlap > 0)
+        leave(c);
+    }
+    sum[w] = total;
+  }
+
+  TRACKBED_HD void find(int w, int g, Found& found) const {
+    const Place p = place[g];
+    for (int c = start[w]; c < start[w + 1]; ++c) {
+      const auto contact = geometry.nearest(candidate[c], p.position, p.radius);
+      if (contact.feature == kernels::Feature::none) continue;
+      if (found.number == maximum_wall_contacts) {
+        *unstable = too_many_wall_contacts;
+        break;
+      }
+      found.candidate[found.number] = c;
+      found.vector[found.number] = p.position - contact.point;
+      for (int k = 0; k < 4; ++k) found.weights[found.number][k] = contact.weights[k];
+      ++found.number;
+    }
+    kernels::distance_hierarchy(found.vector, found.number, found.keep);
+  }
+
+  /// Contact m is new: the history of a contact with the same wall that has just ended becomes its own.
+  TRACKBED_HD void inherit(int w, int m, const Found& found) const {
+    const int heir = found.candidate[m];
+    const double length = norm(found.vector[m]);
+    if (!(length > 0)) return;
+    const Vec3 normal = (1 / length) * found.vector[m];
+    int donor = -1;
+    double best = 0.5;
+    for (int c = start[w]; c < start[w + 1]; ++c) {
+      const WallState& s = state[c];
+      if (!(s.overlap > 0) || geometry.facet[candidate[c]].wall != geometry.facet[candidate[heir]].wall) continue;
+      bool kept = false;
+      for (int k = 0; k < found.number; ++k) kept = kept || (found.keep[k] && found.candidate[k] == c);
+      const double alike = dot(s.normal, normal);
+      if (kept || !(s.history.shear_stiffness > 0) || alike <= best) continue;
+      best = alike;
+      donor = c;
+    }
+    if (donor < 0) return;
+    state[heir].history = state[donor].history;
+    state[donor].history = {};
+  }
+
+  TRACKBED_HD void press(int c, int g, const Vec3& vector, const double* weights, WallSum& total) const {
+    const Place p = place[g];
+    const Facet& facet = geometry.facet[candidate[c]];
+    const WallRow& wall = geometry.wall[facet.wall];
+    const double length = norm(vector);
+    // A plane is also touched from behind: there the vector points backwards and the overlap exceeds the radius.
+    const bool plane = facet.node[1] < 0;
+    const double side = plane && dot(vector, wall.plane_normal) < 0 ? -1 : 1;
+    const double overlap = p.radius - side * length;
+    if (overlap > maximum_overlap * p.radius) *unstable = overlap_too_large;
+    Vec3 normal = plane ? wall.plane_normal : Vec3{0, 0, 1};
+    if (length > 0) normal = (side / length) * vector;
+
+    kernels::ContactMotion motion;
+    motion.time_step = dt;
+    const Translation& t = translation[g];
+    Vec3 half = t.velocity, end = t.velocity + (0.5 * dt) * t.acceleration;
+    if (rotation) {
+      const Rotation& r = rotation[g];
+      half -= cross(r.velocity, vector);
+      end -= cross(r.velocity + (0.5 * dt) * r.acceleration, vector);
+    }
+    motion.velocity = end;
+    motion.displacement = dt * half;
+    WallState& s = state[c];
+    Vec3 wall_step;   // displacement of the contact point's material with the wall
+    double work = 0;  // of the wall on the grain, with the force before
+    if (wall.moves)
+      for (int k = 0; k < 4 && facet.node[k] >= 0; ++k) {
+        const Vec3 step = dt > 0 ? node_displacement[facet.node[k]] : Vec3{};
+        motion.velocity -= weights[k] * node_velocity[facet.node[k]];
+        wall_step += weights[k] * step;
+        work += s.weights[k] * dot(s.force, step);
+      }
+    motion.displacement -= wall_step;
+
+    const auto& material = parameters[grain_material[g] * materials + wall.material];
+    const kernels::ContactGeometry contact_geometry{overlap, p.radius, t.mass, normal};
+    const auto contact = kernels::hertz_mindlin(material, contact_geometry, motion, s.history);
+    s.force = contact.force;
+    s.overlap = overlap;
+    s.normal = normal;
+    for (int k = 0; k < 4; ++k) s.weights[k] = weights[k];
+    total.force += contact.force;
+    total.torque -= cross(vector, contact.force);
+    total.rolling += kernels::rolling_resistance_limit(material, contact_geometry, contact.normal_force);
+
+    impulse[c] += dt * contact.force;
+    if (nodal && wall.nodal)
+      for (int k = 0; k < 4; ++k) nodal[c].node[k] -= (weights[k] * dt) * contact.force;
+    if (ledger) {
+      WallLedger& l = ledger[c];
+      l.loss_friction += contact.loss_friction;
+      l.loss_damping += contact.loss_damping;
+      l.elastic_normal = contact.elastic_normal;
+      l.elastic_shear = contact.elastic_shear;
+      l.work += 0.5 * (work + dot(contact.force, wall_step));
+    }
+  }
+
+  TRACKBED_HD void leave(int c) const {
+    WallState& s = state[c];
+    if (ledger) {
+      WallLedger& l = ledger[c];
+      if (s.history.shear_stiffness > 0)
+        l.loss_friction += norm2(s.history.shear_force) / (2 * s.history.shear_stiffness);
+      l.elastic_normal = 0;
+      l.elastic_shear = 0;
+      const Facet& facet = geometry.facet[candidate[c]];
+      if (geometry.wall[facet.wall].moves && dt > 0)
+        for (int k = 0; k < 4 && facet.node[k] >= 0; ++k)
+          l.work += 0.5 * s.weights[k] * dot(s.force, node_displacement[facet.node[k]]);
+    }
+    s = {};
+  }
+};
+
+/// Sums, per node, what the candidates' facets received.
+struct GatherNodes {
+  const int *start, *entry;  // node -> 4 candidate + corner
+  const NodalImpulse* nodal;
+  Vec3* impulse;
+  TRACKBED_HD void operator()(int node) const {
+    Vec3 total;
+    for (int k = start[node]; k < start[node + 1]; ++k) total += nodal[entry[k] / 4].node[entry[k] % 4];
+    impulse[node] += total;
+  }
+};
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

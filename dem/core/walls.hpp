@@ -1,0 +1,236 @@
+#pragma once
+// The walls themselves: geometry on the backend, motion, and how far they have moved since the last list build.
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "dem/core/grains.hpp"
+#include "dem/core/motion.hpp"
+#include "dem/core/wall_pass.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+enum class WallMotion { fixed, rigid, target };
+
+struct HostWall {
+  int first_node = 0, nodes = 0, first_facet = 0, facets = 0;
+  WallMotion motion = WallMotion::fixed;
+  bool fresh_target = false;            // set since the last advance()
+  Vec3 velocity{};                      // [m/s] of a rigid motion
+  Vec3 rigid_shift{};                   // [m] since the last list build
+  std::vector<Vec3> from{}, to{};       // [m] of the present target motion, on the host
+  std::vector<Vec3> listed{};           // [m] at the last list build
+  double shift_from = 0, shift_to = 0;  // [m] largest node displacement since the list build, at the ends of the way
+  Vec3 impulse{};                       // [N s] on grains in the present advance(), flushed part
+};
+
+inline double largest_distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double squared = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) squared = std::max(squared, norm2(a[k] - b[k]));
+  return std::sqrt(squared);
+}
+
+class Walls {
+ public:
+  std::vector<HostWall> walls;
+  std::vector<WallRow> rows_host;
+  bool rows_changed = false;
+  Vector<WallRow> rows;
+  Vector<Facet> facets;
+  Vector<int> planes;  // facets that are planes
+  Vector<Vec3> position;
+  Vector<Vec3> velocity, displacement;                                  // empty while nothing has moved
+  Vector<Vec3> from_position, from_velocity, to_position, to_velocity;  // empty without target motions
+  Vector<Vec3> node_impulse;  // [N s] flushed part; empty without coupled meshes
+
+  bool any() const { return !walls.empty(); }
+  bool nodal() const {
+    return std::any_of(rows_host.begin(), rows_host.end(), [](const WallRow& row) { return row.nodal; });
+  }
+  WallGeometry geometry() const { return {pointer(facets), pointer(rows), pointer(position)}; }
+
+  int add(const WallRow& row, const std::vector<Vec3>& nodes, std::vector<Facet> mesh) {
+    const int number = static_cast<int>(walls.size());
+    HostWall wall{.first_node = static_cast<int>(position.size()),
+                  .nodes = static_cast<int>(nodes.size()),
+                  .first_facet = static_cast<int>(facets.size()),
+                  .facets = static_cast<int>(mesh.size())};
+    for (Facet& f : mesh) {
+      f.wall = number;
+      for (int& node : f.node)
+        if (node >= 0) node += wall.first_node;
+    }
+    if (mesh.size() == 1 && mesh[0].node[1] < 0) append(planes, std::vector<int>{wall.first_facet});
+    append(position, nodes);
+    append(facets, mesh);
+    walls.push_back(wall);
+    rows_host.push_back(row);
+    rows_changed = true;
+    for (auto* v :
+         {&velocity, &displacement, &from_position, &from_velocity, &to_position, &to_velocity, &node_impulse})
+      if (!v->empty()) v->resize(position.size());
+    return number;
+  }
+
+  void remove(int wall) {
+    const HostWall& w = walls[wall];
+    std::vector<Facet> dead = download(facets);
+    for (int f = w.first_facet; f < w.first_facet + w.facets; ++f) dead[f].live = 0;
+    upload(dead, facets);
+    std::vector<int> left;
+    for (int f : download(planes))
+      if (dead[f].live) left.push_back(f);
+    upload(left, planes);
+    stop(wall);
+  }
+
+  void set_velocity(int wall, const Vec3& v) {
+    HostWall& w = walls[wall];
+    allocate_motion();
+    forget_target(wall);
+    w.velocity = v;
+    if (!(norm2(v) > 0)) return stop(wall);
+    w.motion = WallMotion::rigid;
+    mark(wall, true, false);
+    launch(w.nodes, MoveRigidly{pointer(position), pointer(velocity), pointer(displacement), w.first_node, v, 0});
+  }
+
+  /// Returns true when this is the first target of the wall, from which on its nodal impulses are kept.
+  bool set_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+    HostWall& w = walls[wall];
+    allocate_motion();
+    for (auto* v : {&from_position, &from_velocity, &to_position, &to_velocity, &node_impulse})
+      v->resize(position.size());
+    thrust::copy(positions.begin(), positions.end(), to_position.begin() + w.first_node);
+    thrust::copy(velocities.begin(), velocities.end(), to_velocity.begin() + w.first_node);
+    if (w.motion == WallMotion::target && !w.fresh_target)
+      w.from = w.to;
+    else if (!w.fresh_target) {
+      w.from.resize(w.nodes);
+      const auto first = position.begin() + w.first_node;
+      thrust::copy(first, first + w.nodes, w.from.begin());
+    }
+    if (w.listed.empty()) {
+      w.listed = w.from;
+      for (Vec3& p : w.listed) p -= w.rigid_shift;
+      w.rigid_shift = {};
+    }
+    w.to.assign(positions.begin(), positions.end());
+    w.shift_from = largest_distance(w.from, w.listed);
+    w.shift_to = largest_distance(w.to, w.listed);
+    w.motion = WallMotion::target;
+    w.fresh_target = true;
+    const bool first = !rows_host[wall].nodal;
+    rows_host[wall].nodal = 1;
+    rows_changed = rows_changed || first;
+    mark(wall, true, true);
+    return first;
+  }
+
+  void begin_advance() {
+    for (std::size_t k = 0; k < walls.size(); ++k) {
+      HostWall& w = walls[k];
+      w.impulse = {};
+      if (w.motion != WallMotion::target) continue;
+      if (!w.fresh_target) {
+        w.shift_from = w.shift_to;
+        stop(static_cast<int>(k));
+        continue;
+      }
+      w.fresh_target = false;
+      copy_range(position, from_position, w);
+      copy_range(velocity, from_velocity, w);
+    }
+    thrust::fill(policy(), node_impulse.begin(), node_impulse.end(), Vec3{});
+  }
+
+  /// Step k of n.
+  void move(int k, int n, double dt) {
+    for (HostWall& w : walls) {
+      if (w.motion == WallMotion::rigid) {
+        launch(w.nodes,
+               MoveRigidly{pointer(position), pointer(velocity), pointer(displacement), w.first_node, w.velocity, dt});
+        w.rigid_shift += dt * w.velocity;
+      } else if (w.motion == WallMotion::target) {
+        launch(w.nodes, MoveToTarget{pointer(position), pointer(velocity), pointer(displacement),
+                                     pointer(from_position), pointer(from_velocity), pointer(to_position),
+                                     pointer(to_velocity), w.first_node, k < n ? double(k) / n : 1.0, 1.0 / n});
+      }
+    }
+  }
+
+  /// Bound of the largest displacement of any wall since the list build. The nodes of a target motion move on straight
+  /// lines, and a distance is convex along a line.
+  double shift(double share) const {
+    double largest = 0;
+    for (const HostWall& w : walls) {
+      const bool target = w.motion == WallMotion::target;
+      const double way = target && !w.fresh_target ? (1 - share) * w.shift_from + share * w.shift_to : w.shift_from;
+      largest = std::max(largest, way + norm(w.rigid_shift));
+    }
+    return largest;
+  }
+
+  /// The lists have been built with the walls where they are, `share` of the way to their targets.
+  void listed_here(double share) {
+    for (HostWall& w : walls) {
+      w.rigid_shift = {};
+      if (w.listed.empty()) continue;
+      if (w.motion != WallMotion::target || w.fresh_target) {
+        w.listed.clear();
+        w.shift_from = w.shift_to = 0;
+        if (!w.fresh_target) continue;
+        w.listed = w.from;
+      } else {
+        for (std::size_t k = 0; k < w.listed.size(); ++k) w.listed[k] = w.from[k] + share * (w.to[k] - w.from[k]);
+      }
+      w.shift_from = largest_distance(w.from, w.listed);
+      w.shift_to = largest_distance(w.to, w.listed);
+    }
+  }
+
+  void upload_rows() {
+    upload(rows_host, rows);
+    rows_changed = false;
+  }
+
+  std::size_t bytes() const {
+    std::size_t total = bytes_of(rows) + bytes_of(facets) + bytes_of(planes);
+    for (const auto* v : {&position, &velocity, &displacement, &from_position, &from_velocity, &to_position,
+                          &to_velocity, &node_impulse})
+      total += bytes_of(*v);
+    return total;
+  }
+
+ private:
+  void allocate_motion() {
+    velocity.resize(position.size());
+    displacement.resize(position.size());
+  }
+  void copy_range(const Vector<Vec3>& from, Vector<Vec3>& to, const HostWall& w) {
+    const auto first = from.begin() + w.first_node;
+    thrust::copy(policy(), first, first + w.nodes, to.begin() + w.first_node);
+  }
+  void mark(int wall, bool moves, bool interface) {
+    WallRow& row = rows_host[wall];
+    rows_changed = rows_changed || row.moves != moves || row.interface != interface;
+    row.moves = moves;
+    row.interface = interface;
+  }
+  /// A wall that followed a target stays where it is: what it has moved since the list build is kept as a bound.
+  void forget_target(int wall) {
+    HostWall& w = walls[wall];
+    if (w.motion == WallMotion::target && !w.fresh_target) w.shift_from = w.shift_to;
+    w.fresh_target = false;
+  }
+  void stop(int wall) {
+    HostWall& w = walls[wall];
+    w.motion = WallMotion::fixed;
+    w.velocity = {};
+    w.fresh_target = false;
+    mark(wall, false, rows_host[wall].interface);
+    if (velocity.empty()) return;
+    launch(w.nodes, MoveRigidly{pointer(position), pointer(velocity), pointer(displacement), w.first_node, {}, 0});
+  }
+};
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

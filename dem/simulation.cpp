@@ -1,0 +1,38 @@
+#include <omp.h>
+
+#include "base/error.hpp"
+#include "dem/backends.hpp"
+
+namespace dem {
+
+bool cuda_built() {
+#if defined(TRACKBED_WITH_CUDA)
+  return true;
+#else
+  return false;
+#endif
+}
+
+bool cuda_available(std::string* why_not) {
+#if defined(TRACKBED_WITH_CUDA)
+  return cuda_device_present(why_not);
+#else
+  if (why_not) *why_not = "this program was built without CUDA";
+  return false;
+#endif
+}
+
+std::unique_ptr<Simulation> Simulation::create(const Setup& setup, Backend backend) {
+  if (backend == Backend::omp) return create_omp(setup);
+  std::string why_not;
+  base::require_user(cuda_available(&why_not), "backend = cuda cannot be used: " + why_not);
+#if defined(TRACKBED_WITH_CUDA)
+  return create_cuda(setup);
+#else
+  return nullptr;
+#endif
+}
+
+void set_threads(int threads) { omp_set_num_threads(threads); }
+
+}  // namespace dem
