@@ -13,7 +13,10 @@ namespace {
 
 std::string describe_all(const base::Family& family) {
   std::string text;
-  for (const auto& row : family.rows) text += (text.empty() ? "" : "\n") + base::describe(row);
+  for (const auto& row : family.rows) {
+    if (!text.empty()) text += '\n';
+    text += base::describe(row);
+  }
   return text;
 }
 

@@ -1,0 +1,210 @@
+#include "coupling/check.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <span>
+
+#include "base/text.hpp"
+#include "base/version.hpp"
+#include "coupling/model_checks.hpp"
+#include "coupling/packing_cache.hpp"
+#include "coupling/packing_region.hpp"
+#include "coupling/setup.hpp"
+#include "dem/grading.hpp"
+
+namespace coupling {
+
+namespace {
+
+// Rough costs of one core, for the estimates only; tests/benchmarks measures them.
+constexpr double sphere_steps_per_second = 1.0e6, element_steps_per_second = 2.0e6;
+constexpr double bytes_per_grain = 3000;  // state, candidate pairs, contact memory of a packed bed
+
+struct GrainEstimate {
+  std::vector<dem::Grain> grains;  // a list, a cached packing, or radii alone
+  std::string source;
+  double packing_volume = 0;  // [m3] of the layers inside walls and cuts, outside bodies
+};
+
+/// Share of the box that no cut takes away, from a lattice of points.
+double uncut_share(const Box& box, const std::vector<dem::Plane>& cuts) {
+  constexpr int n = 24;
+  int kept = 0;
+  for (int i = 0; i < n * n * n; ++i) {
+    const double share[3] = {(i % n + 0.5) / n, (i / n % n + 0.5) / n, (i / n / n + 0.5) / n};
+    Vec3 point;
+    for (int d = 0; d < 3; ++d) point[d] = box.lower[d] + share[d] * (box.upper[d] - box.lower[d]);
+    kept += std::none_of(cuts.begin(), cuts.end(), [&](const auto& cut) { return height_above(cut, point) > 0; });
+  }
+  return static_cast<double>(kept) / (n * n * n);
+}
+
+GrainEstimate estimate_grains(const Setup& setup) {
+  const GrainsScene& part = *setup.scene.grains;
+  GrainEstimate estimate{part.list, fmt::format("{} listed", part.list.size()), 0};
+  if (!part.packing) return estimate;
+  const Packing& packing = *part.packing;
+  const PackingRegion region(setup.scene, setup.skins);
+  double solid = 0;
+  for (std::size_t l = 0; l < packing.layers.size(); ++l) {
+    const double volume = region.volume(l) * uncut_share(packing.layers[l].box, packing.cuts);
+    estimate.packing_volume += volume;
+    solid += volume * (1 - packing.target_porosity);
+  }
+  PackingReport report;
+  std::optional<std::vector<dem::Grain>> cached;
+  if (packing.use_cache) cached = load_packing(packing_key(setup.scene, setup.skins, setup.backend), report);
+  if (cached) {
+    estimate.source = fmt::format("{} from the cached packing, porosity {:.3f}", cached->size(), report.porosity);
+    estimate.grains.insert(estimate.grains.end(), cached->begin(), cached->end());
+    return estimate;
+  }
+  dem::SieveCurve curve;
+  for (const auto& row : packing.grading) curve.push_back({row.size, row.passing});
+  const auto radii = dem::sample_radii(curve, solid, packing.seed);
+  for (const double radius : radii) {
+    estimate.grains.emplace_back();
+    estimate.grains.back().radius = radius;
+  }
+  estimate.source = fmt::format("about {} to be packed into {:.3g} m3 at a porosity of {:.2f}", radii.size(),
+                                estimate.packing_volume, packing.target_porosity);
+  return estimate;
+}
+
+/// Stable step of the smallest grain in this material: it sets the limit, and needs no neighbours.
+dem::StableStep stable_step(const Setup& setup, const GrainEstimate& estimate, double young_modulus) {
+  dem::Setup one;
+  one.materials = {setup.scene.grains->materials[0]};
+  one.materials[0].young_modulus = young_modulus;
+  one.interactions = {setup.scene.grains->interactions[0]};
+  one.track_energy = false;
+  const auto smallest = std::min_element(estimate.grains.begin(), estimate.grains.end(),
+                                         [](const auto& a, const auto& b) { return a.radius < b.radius; });
+  const auto simulation = dem::Simulation::create(one, dem::Backend::omp);
+  simulation->add_grains(std::span(&*smallest, 1));
+  return simulation->stable_step();
+}
+
+std::string grains_text(const Setup& setup, const GrainEstimate& estimate) {
+  const GrainsScene& part = *setup.scene.grains;
+  const auto [smallest, largest] = std::minmax_element(
+      estimate.grains.begin(), estimate.grains.end(), [](const auto& a, const auto& b) { return a.radius < b.radius; });
+  const auto any = [&](double dem::Interaction::*member) {
+    return std::any_of(part.interactions.begin(), part.interactions.end(),
+                       [&](const auto& interaction) { return interaction.*member > 0; });
+  };
+  std::string text = fmt::format("grains: {}, diameters {:.1f} .. {:.1f} mm\n", estimate.source, 2e3 * smallest->radius,
+                                 2e3 * largest->radius);
+  text += fmt::format("  rotations: {}\n", part.rotations ? "on" : "off: no angular velocities");
+  text += fmt::format("  friction: {}\n", any(&dem::Interaction::friction) ? "on, with contact history" : "off");
+  text += fmt::format("  rolling: {}\n", any(&dem::Interaction::rolling_friction) ? "on" : "off");
+  text += fmt::format("  walls: {} rigid, {} deformable skins\n", part.walls.size(), part.body_material.size());
+  text += fmt::format("  backend: {}, {} thread{}\n", setup.backend == dem::Backend::cuda ? "cuda" : "omp",
+                      setup.threads, setup.threads > 1 ? "s" : "");
+  return text;
+}
+
+std::string bodies_text(const Setup& setup) {
+  std::string text = "bodies:\n";
+  for (const auto& body : setup.body_counts) {
+    const auto& scene_body = *std::find_if(setup.scene.bodies.begin(), setup.scene.bodies.end(),
+                                           [&](const auto& candidate) { return candidate.name == body.name; });
+    text += fmt::format(
+        "  {}: {} {} elements, {} nodes, {:.4g} kg, from ({:.3g}, {:.3g}, {:.3g}) to ({:.3g}, {:.3g}, {:.3g}) m, {}\n",
+        body.name, body.elements, scene_body.element, body.nodes, body.mass, body.lower.x, body.lower.y, body.lower.z,
+        body.upper.x, body.upper.y, body.upper.z,
+        scene_body.skin.empty() ? "no skin" : "skin " + base::join(scene_body.skin));
+  }
+  return text;
+}
+
+double resident_bytes() {
+  std::ifstream in("/proc/self/statm");
+  double total = 0, resident = 0;
+  in >> total >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 90) return fmt::format("{:.0f} s", std::max(1.0, seconds));
+  return seconds < 5400 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
+}
+
+struct Steps {
+  std::optional<double> dem, fem;  // [s] longest step of either side
+  std::string text;
+};
+
+Steps choose_steps(const Setup& setup, const std::optional<GrainEstimate>& estimate) {
+  const Scene& scene = setup.scene;
+  Steps steps;
+  if (estimate) {
+    const auto limit = stable_step(setup, *estimate, scene.grains->materials[0].young_modulus);
+    check_step("time.dem_step", scene, scene.time.dem_step, limit.limit, limit.limiter);
+    steps.dem = scene.time.dem_step.value_or(scene.time.dem_fraction * limit.limit);
+    steps.text += fmt::format("  grains: stable step {:.4g} s ({}); at most {:.4g} s is used\n", limit.limit,
+                              limit.limiter, *steps.dem);
+    if (const auto& packing = scene.grains->packing) {
+      const auto soft = stable_step(setup, *estimate, packing->young_modulus);
+      steps.text += fmt::format("  grains while packing: stable step {:.4g} s\n", soft.limit);
+    }
+  }
+  if (scene.has_bodies()) {
+    const auto& limit = setup.fem_limit;
+    steps.fem = scene.time.fem_step.value_or(scene.time.fem_fraction * limit.limit);
+    steps.text += fmt::format("  bodies: stable step {:.4g} s ({}); at most {:.4g} s is used\n", limit.limit,
+                              limit.limiter, *steps.fem);
+  }
+  return steps;
+}
+
+std::string cost_text(const Setup& setup, const Steps& steps, std::size_t grains) {
+  const Window window = choose_window(steps.dem, steps.fem);
+  double duration = 0, elements = 0;
+  for (const auto& stage : setup.scene.stages) duration += stage.duration;
+  for (const auto& body : setup.body_counts) elements += static_cast<double>(body.elements);
+  const double windows = std::ceil(duration / window.length());
+  std::string text = "run:\n";
+  for (const auto& stage : setup.scene.stages) {
+    text += fmt::format("  stage {}: {:.4g} s{}\n", stage.name, stage.duration,
+                        stage.measure ? ", measured from its start" : "");
+  }
+  if (setup.scene.has_grains() && setup.scene.has_bodies()) {
+    text +=
+        fmt::format("  window {:.4g} s = {} DEM steps = {} FEM steps\n", window.length(), window.n_dem, window.n_fem);
+  }
+  const double sphere_steps = windows * window.n_dem * static_cast<double>(grains);
+  const double element_steps = windows * window.n_fem * elements;
+  text += fmt::format("  {:.0f} windows: {:.0f} DEM steps, {:.0f} FEM steps\n", windows, windows * window.n_dem,
+                      windows * window.n_fem);
+  const double memory = resident_bytes() + bytes_per_grain * static_cast<double>(grains);
+  text += fmt::format("  memory: about {:.0f} MB\n", memory / 1e6);
+  const double wall = sphere_steps / sphere_steps_per_second / setup.threads + element_steps / element_steps_per_second;
+  text += fmt::format("  wall time: very roughly {} on this machine{}\n", duration_text(wall),
+                      setup.scene.packing_hash.empty() ? "" : ", packing not counted");
+  return text;
+}
+
+}  // namespace
+
+std::string check(const RunOptions& options) {
+  const Setup setup(MPI_COMM_SELF, options);
+  const Scene& scene = setup.scene;
+  std::optional<GrainEstimate> estimate;
+  if (scene.has_grains()) estimate = estimate_grains(setup);
+  std::string text = fmt::format("{}\n{}, Trackbed {}\n\n", scene.title.empty() ? "untitled scene" : scene.title,
+                                 scene.file.string(), base::code_version());
+  text += estimate ? grains_text(setup, *estimate) : "grains: none: no neighbour search, no contact memory\n";
+  text += scene.has_bodies() ? bodies_text(setup) : "bodies: none: no PETSc\n";
+  if (!setup.roles->coupled) text += "coupling: none: no exchange\n";
+  const Steps steps = choose_steps(setup, estimate);
+  text += "steps:\n" + steps.text;
+  return text + cost_text(setup, steps, estimate ? estimate->grains.size() : 0);
+}
+
+}  // namespace coupling

@@ -1,0 +1,162 @@
+// The command line. Exit status: 0 done, 1 a mistake of ours, 2 the user's input is wrong, 3 the run became unstable,
+// 4 the machine failed it.
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/quantity.hpp"
+#include "base/text.hpp"
+#include "base/version.hpp"
+#include "coupling/agree.hpp"
+#include "coupling/check.hpp"
+#include "coupling/render.hpp"
+#include "coupling/run.hpp"
+
+namespace {
+
+/// What the command line says; texts are turned into values when the command runs.
+struct Arguments {
+  coupling::RunOptions options;
+  std::vector<std::string> settings;
+  std::string out, until, folder, family;
+};
+
+/// MPI lives as long as this object.
+class MpiSession {
+ public:
+  MpiSession(int argc, char** argv) {
+    int provided = 0;
+    MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  }
+  ~MpiSession() { MPI_Finalize(); }
+  MpiSession(const MpiSession&) = delete;
+  MpiSession& operator=(const MpiSession&) = delete;
+  int rank = 0;
+};
+
+coupling::RunOptions run_options(const Arguments& arguments) {
+  coupling::RunOptions options = arguments.options;
+  for (const auto& setting : arguments.settings) {
+    const auto equals = setting.find('=');
+    base::require_user(equals != std::string::npos && equals > 0,
+                       fmt::format("--set {}: no value; write --set key=value", setting));
+    options.overrides.push_back({setting.substr(0, equals), setting.substr(equals + 1)});
+  }
+  if (!arguments.out.empty()) options.out = arguments.out;
+  if (!arguments.until.empty()) {
+    try {
+      options.until = base::parse_quantity(arguments.until, "s");
+    } catch (const base::QuantityError& error) {
+      throw base::UserError(fmt::format("--until {}: {}", arguments.until, error.what()));
+    }
+    base::require_user(*options.until > 0, fmt::format("--until {}: must be > 0 s", arguments.until));
+  }
+  return options;
+}
+
+int exit_status(const coupling::FailureText& failure, bool speak) {
+  if (failure.kind == coupling::Failure::none) return 0;
+  const bool ours = failure.kind == coupling::Failure::internal;
+  if (speak) fmt::print(stderr, "trackbed: {}: {}\n", ours ? "internal error" : "error", failure.text);
+  return static_cast<int>(failure.kind);
+}
+
+void add_scene_arguments(CLI::App& command, Arguments& arguments) {
+  command.add_option("SCENE", arguments.options.scene, "scene file (.toml)")->required();
+  command
+      .add_option(
+          "--set", arguments.settings,
+          "replace a value of the scene: table.key=value; rows by name or number (stage.load.duration=\"20 ms\")")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("--backend", arguments.options.backend, "where grains are computed")
+      ->check(CLI::IsMember({"auto", "omp", "cuda"}))
+      ->capture_default_str();
+  command.add_option("--threads", arguments.options.threads, "threads for the grains; 0: chosen")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+/// Runs a command that needs MPI; only rank 0 speaks of an error, every rank returns its status.
+int with_mpi(int argc, char** argv, const std::function<void(int rank)>& command) {
+  MpiSession session(argc, argv);
+  return exit_status(coupling::caught([&] { command(session.rank); }), session.rank == 0);
+}
+
+int run(int argc, char** argv, const Arguments& arguments) {
+  return with_mpi(argc, argv, [&](int) { coupling::run(run_options(arguments)); });
+}
+
+int check(int argc, char** argv, const Arguments& arguments) {
+  return with_mpi(argc, argv, [&](int rank) {
+    coupling::agree(MPI_COMM_WORLD, [&] {
+      if (rank == 0) fmt::print("{}", coupling::check(run_options(arguments)));
+    });
+  });
+}
+
+int render(const Arguments& arguments) {
+  return exit_status(coupling::caught([&] {
+                       for (const auto& file : coupling::render(arguments.folder)) fmt::print("{}\n", file.string());
+                     }),
+                     true);
+}
+
+int list(const Arguments& arguments) {
+  return exit_status(coupling::caught([&] { fmt::print("{}", coupling::list_family(arguments.family)); }), true);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Ballasted railway track: grains (DEM) and solids (FEM), coupled.", "trackbed");
+  app.set_version_flag("--version", "trackbed " + std::string(base::code_version()));
+  app.require_subcommand(1);
+  app.footer(
+      "Example: mpirun -n 2 trackbed run configs/one_sleeper.toml --out runs/first\n"
+      "Exit status: 0 done, 2 wrong input, 3 unstable, 4 the machine failed, 1 a mistake in Trackbed.");
+
+  CLI::App* run_command = app.add_subcommand("run", "run a scene");
+  add_scene_arguments(*run_command, arguments);
+  run_command->add_option("--out", arguments.out, "run directory (default: runs/<scene>)")->type_name("DIR");
+  run_command->add_flag("--overwrite", arguments.options.overwrite, "replace the run directory if it exists");
+  run_command->add_option("--until", arguments.until, "stop early at this simulated time")->type_name("TIME");
+  run_command->footer(
+      "Example: trackbed run configs/cantilever_step.toml --out runs/beam --set body.hex8.element=tet4");
+
+  CLI::App* check_command = app.add_subcommand("check", "read, mesh and size a scene; start nothing");
+  add_scene_arguments(*check_command, arguments);
+  check_command->footer("Example: trackbed check configs/one_sleeper.toml --set time.dem_fraction=0.2");
+
+  CLI::App* render_command = app.add_subcommand("render", "pictures of a finished run");
+  render_command->add_option("RUNDIR", arguments.folder, "run directory")->required();
+  render_command->footer("Example: trackbed render runs/one_sleeper");
+
+  CLI::App* list_command = app.add_subcommand("list", "what a scene can be made of, with units, ranges and defaults");
+  list_command->add_option("FAMILY", arguments.family, base::join(coupling::families(), " | "))->required();
+  list_command->footer("Example: trackbed list histories");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // Under mpirun every rank comes here, before MPI is up: the launcher's environment tells which one may speak.
+    const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
+    const bool wrong = error.get_exit_code() != 0;
+    if (!rank || std::string(rank) == "0") app.exit(error);
+    return wrong ? 2 : 0;
+  }
+  if (*run_command) return run(argc, argv, arguments);
+  if (*check_command) return check(argc, argv, arguments);
+  if (*render_command) return render(arguments);
+  return list(arguments);
+}
