@@ -101,6 +101,8 @@ void Setup::place_grains(Summary& summary) {
     dem_setup.interactions = part.interactions;
     dem_setup.gravity = scene.gravity;
     dem_setup.skin = part.neighbour_skin;
+    dem_setup.rotations = part.rotations;
+    dem_setup.maximum_overlap = part.maximum_overlap;
     grains = dem::Simulation::create(dem_setup, backend);
     grains->add_grains(list);
     add_walls();
