@@ -39,12 +39,12 @@ struct Interaction {
 };
 
 struct Grain {
-  Vec3 position;          // [m]
-  double radius = 0;      // [m]
-  Vec3 velocity;          // [m/s]
-  Vec3 angular_velocity;  // [rad/s]
-  int material = 0;       // index into Setup::materials
-  std::int64_t id = 0;    // kept for the grain's whole life; unique
+  Vec3 position{};          // [m]
+  double radius = 0;        // [m]
+  Vec3 velocity{};          // [m/s]
+  Vec3 angular_velocity{};  // [rad/s]
+  int material = 0;         // index into Setup::materials
+  std::int64_t id = 0;      // kept for the grain's whole life; unique
 };
 
 /// Infinite plane; grains live on the side the normal points to.
@@ -55,7 +55,7 @@ struct Plane {
 struct Setup {
   std::vector<Material> materials;
   std::vector<Interaction> interactions;  // row-major materials × materials, symmetric
-  Vec3 gravity;                           // [m/s2]
+  Vec3 gravity{};                         // [m/s2]
   double skin = 0;                        // [m] neighbour-list skin; 0: chosen (0.1 × smallest radius or better)
   double maximum_overlap = 0.3;           // overlap / smaller radius above which the run is declared unstable
   bool track_energy = true;               // false: no ledger, no memory and no work for it

@@ -7,6 +7,7 @@
 #include <thrust/system/cuda/vector.h>
 #define TRACKBED_DEM_SYSTEM cuda_system
 #else
+#include <omp.h>
 #include <thrust/system/omp/execution_policy.h>
 #include <thrust/system/omp/vector.h>
 #define TRACKBED_DEM_SYSTEM omp_system
@@ -36,10 +37,26 @@ using base::Vec3;
 template <class T>
 using Vector = thrust::cuda::vector<T>;
 inline auto policy() { return thrust::cuda::par_nosync; }
+struct ThreadsFor {
+  explicit ThreadsFor(int) {}
+};
 #else
 template <class T>
 using Vector = thrust::omp::vector<T>;
 inline auto policy() { return thrust::omp::par; }
+/// While it lives: one thread where a second would cost more than it brings (waking it takes longer than the loop).
+class ThreadsFor {
+ public:
+  explicit ThreadsFor(int grains) : threads_(omp_get_max_threads()) {
+    if (grains < 500) omp_set_num_threads(1);
+  }
+  ~ThreadsFor() { omp_set_num_threads(threads_); }
+  ThreadsFor(const ThreadsFor&) = delete;
+  ThreadsFor& operator=(const ThreadsFor&) = delete;
+
+ private:
+  int threads_;
+};
 #endif
 
 template <class T>

@@ -45,6 +45,7 @@ class System final : public Simulation {
  private:
   // system.hpp: what changes between steps
   void upload_parameters();
+  void set_masses();
   void mark_grains_changed();
   void require_wall(int wall) const;
   // system_advance.hpp
@@ -74,7 +75,7 @@ class System final : public Simulation {
   std::vector<kernels::PairParameters> grain_parameters_host_, wall_parameters_host_;
   Vector<int> trouble_;
 
-  bool materials_changed_ = true, list_is_stale_ = true, forces_are_stale_ = true;
+  bool list_is_stale_ = true, forces_are_stale_ = true;
   double skin_ = 0, skin_share_ = 0.1;  // [m]; of the smallest radius
   Radii radii_;
   double time_ = 0, last_dt_ = 0;

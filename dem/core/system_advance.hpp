@@ -8,6 +8,7 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 
 inline void System::advance(int n, double dt) {
   base::require_internal(n >= 0 && dt > 0, "advance needs a positive step");
+  [[maybe_unused]] const ThreadsFor threads(grains_.size());
   node_impulse_current_ = false;
   walls_.begin_advance();
   thrust::fill(policy(), near_walls_.impulse.begin(), near_walls_.impulse.end(), Vec3{});
@@ -23,11 +24,6 @@ inline void System::prepare() {
   if (walls_.rows_changed) {
     flush_losses();
     walls_.upload_rows();
-  }
-  if (materials_changed_) {
-    upload_parameters();
-    launch(grains_.size(), SetMass{pointer(grains_.place), pointer(grains_.material), pointer(density_),
-                                   pointer(grains_.translation), pointer(grains_.rotation)});
   }
   const bool ledger = setup_.track_energy && (alpha_ > 0 || (any_rolling_ && setup_.rotations));
   if (ledger && grains_.ledger.empty()) grains_.ledger.resize(grains_.size());

@@ -15,6 +15,7 @@ inline System::System(const Setup& setup, Backend backend) : setup_(setup), back
   base::require_user(setup.skin >= 0 && setup.maximum_overlap > 0, "dem: skin and maximum overlap must be positive");
   grains_.rotations = setup.rotations;
   upload(std::vector<int>{0}, trouble_);
+  upload_parameters();
 }
 
 inline void System::mark_grains_changed() {
@@ -44,7 +45,11 @@ inline void System::upload_parameters() {
   upload(grain_parameters_host_, grain_parameters_);
   upload(wall_parameters_host_, wall_parameters_);
   if (any_friction_ != had_friction) list_is_stale_ = true;
-  materials_changed_ = false;
+}
+
+inline void System::set_masses() {
+  launch(grains_.size(), SetMass{pointer(grains_.place), pointer(grains_.material), pointer(density_),
+                                 pointer(grains_.translation), pointer(grains_.rotation)});
 }
 
 inline void System::add_grains(std::span<const Grain> grains) {
@@ -57,7 +62,7 @@ inline void System::add_grains(std::span<const Grain> grains) {
   if (grains.empty()) return;
   settle_gravity();
   grains_.add(grains);
-  materials_changed_ = true;
+  set_masses();
   mark_grains_changed();
 }
 
@@ -102,7 +107,8 @@ inline void System::set_material(int material, const Material& m) {
   base::require_internal(material >= 0 && material < static_cast<int>(setup_.materials.size()), "no such material");
   settle_gravity();
   setup_.materials[material] = m;
-  materials_changed_ = true;
+  upload_parameters();
+  set_masses();
   mark_grains_changed();
 }
 
@@ -110,7 +116,7 @@ inline void System::set_interaction(int a, int b, const Interaction& between) {
   const int count = static_cast<int>(setup_.materials.size());
   base::require_internal(a >= 0 && a < count && b >= 0 && b < count, "no such material");
   setup_.interactions[a * count + b] = setup_.interactions[b * count + a] = between;
-  materials_changed_ = true;
+  upload_parameters();
   forces_are_stale_ = true;
 }
 

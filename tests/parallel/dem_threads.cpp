@@ -1,0 +1,82 @@
+// One and two threads, and the same run twice, agree to the last bit: all sums are taken in an order that does not
+// depend on who takes them.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+
+#include "dem/dem.hpp"
+
+namespace {
+
+using dem::Vec3;
+
+struct Outcome {
+  std::vector<dem::Grain> grains;
+  base::Energy energy;
+  std::vector<Vec3> impulse;
+  std::int64_t rebuilds = 0;
+};
+
+Outcome run(int threads) {
+  dem::set_threads(threads);
+  dem::Setup setup;
+  setup.materials = {{"stone", 1e7, 0.2, 2700}, {"wall", 1e8, 0.2, 0}};
+  setup.interactions.assign(4, {0.6, 0.5, 0.1});
+  setup.gravity = {0, 0, -9.81};
+  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> shift(-0.001, 0.001), radius(0.018, 0.021);
+  std::vector<dem::Grain> grains;
+  for (int k = 0; k < 1500; ++k) {
+    const Vec3 p{0.04 * (k % 10 + 0.5) + shift(random), 0.04 * (k / 10 % 10 + 0.5) + shift(random),
+                 0.04 * (k / 100 + 0.5) + shift(random)};
+    grains.push_back({.position = p, .radius = radius(random), .velocity = {0, 0, -1}, .id = k});
+  }
+  sim->add_grains(grains);
+  base::Skin floor;
+  for (int i = 0; i <= 5; ++i)
+    for (int j = 0; j <= 5; ++j) floor.nodes.push_back({0.08 * i, 0.08 * j, 0});
+  for (int i = 0; i < 5; ++i)
+    for (int j = 0; j < 5; ++j) floor.facets.push_back({6 * i + j, 6 * i + 6 + j, 6 * i + 7 + j, 6 * i + j + 1});
+  const int mesh = sim->add_mesh(floor, 1, false);
+  sim->add_plane({{0, 0, 0}, {1, 0, 0}}, 1);
+  sim->add_plane({{0.4, 0, 0}, {-1, 0, 0}}, 1);
+  sim->add_plane({{0, 0, 0}, {0, 1, 0}}, 1);
+  sim->add_plane({{0, 0.4, 0}, {0, -1, 0}}, 1);
+  auto target = floor.nodes;
+  const std::vector<Vec3> velocities(target.size());
+  Outcome outcome;
+  outcome.impulse.resize(target.size());
+  for (int window = 0; window < 4; ++window) {
+    for (auto& p : target) p.z = window % 2 ? 0 : 2e-4 * p.x;
+    sim->set_mesh_target(mesh, target, velocities);
+    sim->advance(100, 4e-5);
+  }
+  outcome.grains = sim->grains();
+  outcome.energy = sim->energy();
+  outcome.rebuilds = sim->counts().rebuilds;
+  sim->nodal_impulse(mesh, outcome.impulse);
+  EXPECT_GT(sim->counts().contacts, 300);
+  return outcome;
+}
+
+void expect_same(const Outcome& a, const Outcome& b) {
+  EXPECT_EQ(a.rebuilds, b.rebuilds);
+  for (std::size_t k = 0; k < a.grains.size(); ++k) {
+    ASSERT_EQ(std::memcmp(&a.grains[k].position, &b.grains[k].position, sizeof(Vec3)), 0) << k;
+    ASSERT_EQ(std::memcmp(&a.grains[k].velocity, &b.grains[k].velocity, sizeof(Vec3)), 0) << k;
+    ASSERT_EQ(std::memcmp(&a.grains[k].angular_velocity, &b.grains[k].angular_velocity, sizeof(Vec3)), 0) << k;
+  }
+  EXPECT_EQ(std::memcmp(&a.energy, &b.energy, sizeof(base::Energy)), 0);
+  EXPECT_EQ(std::memcmp(a.impulse.data(), b.impulse.data(), a.impulse.size() * sizeof(Vec3)), 0);
+}
+
+TEST(DemThreads, OneAndTwoThreadsAgreeToTheLastBit) {
+  const Outcome one = run(1), two = run(2), again = run(2);
+  EXPECT_GT(one.rebuilds, 3);
+  expect_same(one, two);
+  expect_same(two, again);
+}
+
+}  // namespace
