@@ -1,7 +1,10 @@
 #include "coupling/render_canvas.hpp"
 
-#include <vtkAutoInit.h>
+#include <vtkBoundingBox.h>
+#include <vtkCamera.h>
 #include <vtkImageShrink3D.h>
+#include <vtkMath.h>
+#include <vtkMatrix4x4.h>
 #include <vtkPNGWriter.h>
 #include <vtkScalarBarActor.h>
 #include <vtkTextActor.h>
@@ -17,6 +20,9 @@ namespace coupling {
 namespace {
 
 constexpr std::array<double, 3> ink{0.13, 0.14, 0.16};
+
+// The part of the sheet between title, colour bars and edges, in view coordinates (-1 … 1).
+constexpr double free_centre_x = -0.12, free_centre_y = -0.09, free_half_width = 0.83, free_half_height = 0.86;
 
 void style_text(vtkTextProperty* text, int points, bool bold) {
   text->SetFontFamilyToArial();
@@ -99,36 +105,48 @@ Range percentile_range(std::vector<double> values, double share) {
   return range;
 }
 
+double round_step(double width) {
+  if (!(width > 0)) return 1;
+  const double wanted = width / 6, decade = std::pow(10, std::floor(std::log10(wanted))), share = wanted / decade;
+  return decade * (share > 5 ? 10 : (share > 2.5 ? 5 : (share > 2 ? 2.5 : (share > 1 ? 2 : 1))));
+}
+
 vtkSmartPointer<vtkColorTransferFunction> colours_for(Range range) {
   const double largest = std::max(std::abs(range.low), std::abs(range.high));
   const bool both_signs = range.low < -0.15 * largest && range.high > 0.15 * largest;
   if (both_signs) {
     // Cool to warm (Moreland 2009, DOI 10.1007/978-3-642-10520-3_9), the same length on both sides of zero.
+    const double step = round_step(2 * largest), end = std::ceil(largest / step - 1e-6) * step;
     auto map = vtkSmartPointer<vtkColorTransferFunction>::New();
     map->SetColorSpaceToDiverging();
-    map->AddRGBPoint(-largest, 0.230, 0.299, 0.754);
+    map->AddRGBPoint(-end, 0.230, 0.299, 0.754);
     map->AddRGBPoint(0, 0.865, 0.865, 0.865);
-    map->AddRGBPoint(largest, 0.706, 0.016, 0.150);
+    map->AddRGBPoint(end, 0.706, 0.016, 0.150);
     return map;
   }
   const bool negative = std::abs(range.low) > std::abs(range.high);
-  if (negative && range.high > -0.3 * largest) range.high = std::max(range.high, 0.0);
-  if (!negative && range.low < 0.3 * largest) range.low = std::min(range.low, 0.0);
+  // From zero where zero is near; a little of the other sign is shown as zero.
+  if (negative && range.high > -0.3 * largest) range.high = 0;
+  if (!negative && range.low < 0.3 * largest) range.low = 0;
+  const double step = round_step(range.high - range.low);
+  range = {std::floor(range.low / step + 1e-6) * step, std::ceil(range.high / step - 1e-6) * step};
   return negative ? sequence(viridis, range.low, range.high) : sequence(viridis, range.high, range.low);
 }
 
-vtkSmartPointer<vtkColorTransferFunction> force_colours(double high) { return sequence(yellow_to_red, 0, high); }
+vtkSmartPointer<vtkColorTransferFunction> force_colours(double high) {
+  const double step = round_step(high);
+  return sequence(yellow_to_red, 0, std::ceil(high / step - 1e-6) * step);
+}
 
 Canvas::Canvas() {
   window_->SetOffScreenRendering(1);
   window_->SetMultiSamples(0);
   window_->SetSize(picture_width * oversampling, picture_height * oversampling);
-  sheet_->SetBackground(1, 1, 1);
-  sheet_->InteractiveOff();
+  window_->SetNumberOfLayers(2);
   scene_->SetBackground(1, 1, 1);
-  scene_->SetViewport(0.01, 0.01, 0.865, 0.895);
-  window_->AddRenderer(sheet_);
+  sheet_->SetLayer(1);
   window_->AddRenderer(scene_);
+  window_->AddRenderer(sheet_);
 }
 
 void Canvas::write_title(const std::string& title, const std::string& subtitle) {
@@ -139,13 +157,14 @@ void Canvas::write_title(const std::string& title, const std::string& subtitle) 
 void Canvas::add_colour_bar(const std::string& title, vtkColorTransferFunction* colours) {
   const double top = bars_ == 0 ? 0.86 : 0.42;
   ++bars_;
-  sheet_->AddActor2D(text_line(title, 17, true, 0.873, top + 0.012));
+  sheet_->AddActor2D(text_line(title, 17, true, 0.873, top + 0.02));
   vtkNew<vtkScalarBarActor> bar;
   bar->SetLookupTable(colours);
   bar->SetUnconstrainedFontSize(true);
-  bar->SetNumberOfLabels(6);
+  const double width = colours->GetRange()[1] - colours->GetRange()[0];
+  bar->SetNumberOfLabels(1 + static_cast<int>(std::lround(width / round_step(width))));
   bar->SetMaximumNumberOfColors(256);
-  bar->SetLabelFormat("%-#.3g");
+  bar->SetLabelFormat(" %.3g");
   bar->SetTitle("");
   style_text(bar->GetLabelTextProperty(), 17, false);
   bar->SetTextPositionToSucceedScalarBar();
@@ -155,6 +174,52 @@ void Canvas::add_colour_bar(const std::string& title, vtkColorTransferFunction* 
   bar->SetWidth(0.09);
   bar->SetHeight(0.36);
   sheet_->AddActor2D(bar);
+}
+
+void Canvas::look(const std::array<double, 3>& from, const std::array<double, 6>& bounds, bool perspective) {
+  vtkCamera* camera = scene_->GetActiveCamera();
+  camera->SetFocalPoint(0, 0, 0);
+  camera->SetPosition(from.data());
+  camera->SetViewUp(0, 0, 1);
+  camera->SetViewAngle(22);
+  camera->SetParallelProjection(!perspective);
+  scene_->ResetCamera(bounds.data());
+  camera->OrthogonalizeViewUp();
+  double up[3], back[3], right[3];
+  camera->GetViewUp(up);
+  camera->GetViewPlaneNormal(back);
+  vtkMath::Cross(up, back, right);
+  constexpr double aspect = static_cast<double>(picture_width) / picture_height;
+  // A shift changes a perspective a little, so it takes a few rounds.
+  for (int round = 0; round < 5; ++round) {
+    vtkMatrix4x4* projection = camera->GetCompositeProjectionTransformMatrix(aspect, -1, 1);
+    vtkBoundingBox seen;
+    for (int corner = 0; corner < 8; ++corner) {
+      const double world[4] = {bounds[corner & 1], bounds[2 + ((corner >> 1) & 1)], bounds[4 + (corner >> 2)], 1};
+      double view[4];
+      projection->MultiplyPoint(world, view);
+      seen.AddPoint(view[0] / view[3], view[1] / view[3], 0);
+    }
+    double centre[3], eye[3], focus[3];
+    seen.GetCenter(centre);
+    const double zoom = std::min(free_half_width / std::max(seen.GetLength(0) / 2, 1e-12),
+                                 free_half_height / std::max(seen.GetLength(1) / 2, 1e-12));
+    camera->Zoom(zoom);
+    const double half_height =
+        perspective ? camera->GetDistance() * std::tan(vtkMath::RadiansFromDegrees(camera->GetViewAngle() / 2))
+                    : camera->GetParallelScale();
+    camera->GetPosition(eye);
+    camera->GetFocalPoint(focus);
+    for (int c = 0; c < 3; ++c) {
+      const double shift = half_height * ((centre[0] * zoom - free_centre_x) * aspect * right[c] +
+                                          (centre[1] * zoom - free_centre_y) * up[c]);
+      eye[c] += shift;
+      focus[c] += shift;
+    }
+    camera->SetPosition(eye);
+    camera->SetFocalPoint(focus);
+  }
+  scene_->ResetCameraClippingRange();
 }
 
 }  // namespace coupling

@@ -48,7 +48,8 @@ HistoryColumn column_of(std::string_view header) {
 }
 
 bool contains(const std::string& name, std::initializer_list<const char*> words) {
-  return std::any_of(words.begin(), words.end(), [&](const char* word) { return name.find(word) != std::string::npos; });
+  return std::any_of(words.begin(), words.end(),
+                     [&](const char* word) { return name.find(word) != std::string::npos; });
 }
 
 double largest_magnitude(const std::vector<double>& values) {
@@ -98,8 +99,8 @@ void read_summary(const fs::path& file, RunDirectory& run) {
   if (results == summary.end() || !results->is_object()) return;
   for (const auto& [name, result] : results->items()) {
     if (!result.is_object()) continue;
-    ResultLine line{name, shown(result, "value"), shown(result, "unit"), shown(result, "expected"),
-                    shown(result, "source"), ""};
+    ResultLine line{
+        name, shown(result, "value"), shown(result, "unit"), shown(result, "expected"), shown(result, "source"), ""};
     if (line.expected.empty()) line.expected = shown(result, "expected_range");
     const auto error = result.find("relative_error");
     if (error != result.end() && error->is_number())
@@ -121,16 +122,16 @@ HistoryTable read_history(const fs::path& csv) {
       for (const auto& cell : cells) table.columns.push_back(column_of(cell));
       continue;
     }
-    base::require_user(cells.size() == table.columns.size(),
-                       fmt::format("{}:{}: {} cells; the header has {}", csv.string(), number, cells.size(),
-                                   table.columns.size()));
+    base::require_user(
+        cells.size() == table.columns.size(),
+        fmt::format("{}:{}: {} cells; the header has {}", csv.string(), number, cells.size(), table.columns.size()));
     for (std::size_t i = 0; i < cells.size(); ++i) {
       double value = 0;
       const char* end = cells[i].data() + cells[i].size();
       const auto [stop, failure] = std::from_chars(cells[i].data(), end, value);
-      base::require_user(failure == std::errc{} && stop == end,
-                         fmt::format("{}:{}: {} = '{}'; must be a number", csv.string(), number, table.columns[i].name,
-                                     cells[i]));
+      base::require_user(
+          failure == std::errc{} && stop == end,
+          fmt::format("{}:{}: {} = '{}'; must be a number", csv.string(), number, table.columns[i].name, cells[i]));
       table.columns[i].values.push_back(value);
     }
   }
@@ -138,8 +139,7 @@ HistoryTable read_history(const fs::path& csv) {
 }
 
 std::vector<TimeLevel> read_pvd(const fs::path& pvd) {
-  const auto root =
-      vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(pvd.c_str()));
+  const auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(pvd.c_str()));
   vtkXMLDataElement* collection = root ? root->FindNestedElementWithName("Collection") : nullptr;
   base::require_user(collection != nullptr, pvd.string() + ": no VTK collection (.pvd)");
   std::vector<TimeLevel> levels;
@@ -177,8 +177,10 @@ RunDirectory open_run_directory(const fs::path& path) {
       run.bodies.push_back({name, levels});
   }
   base::require_user(has_summary || !run.history.empty() || !run.grains.empty() || !run.bodies.empty(),
-                     path.string() + ": holds no run (no summary.json, history.csv, grains.pvd or <body>.pvd); "
-                                     "make one with `trackbed run SCENE --out " + path.string() + "`");
+                     path.string() +
+                         ": holds no run (no summary.json, history.csv, grains.pvd or <body>.pvd); "
+                         "make one with `trackbed run SCENE --out " +
+                         path.string() + "`");
   return run;
 }
 
@@ -235,6 +237,8 @@ ShownUnit readable_unit(const std::string& si_unit, double largest) {
     if (largest >= 1e3) return {1e-3, "k" + si_unit};
     if (si_unit == "J" && largest > 0 && largest < 0.1) return {1e3, "mJ"};
   }
+  if (si_unit == "share") return {100, "%"};
+  if (si_unit == "-" || si_unit == "1") return {1, ""};
   if (si_unit == "m/s2" || si_unit == "m/s^2") return {1, "m/s²"};
   return {1, si_unit};
 }

@@ -48,29 +48,31 @@ struct RunDirectory {
   std::vector<ResultLine> results;
   HistoryTable history;
   std::vector<TimeLevel> grains, contacts;
-  std::vector<BodySeries> bodies;    // by name
+  std::vector<BodySeries> bodies;  // by name
 };
 
 /// Reads what is there; parts that a scene does not have may be missing.
-/// Throws base::UserError when the folder does not exist or holds neither a summary, nor probes, nor pictures of a state.
+/// Throws base::UserError when the folder does not exist or holds neither a summary, nor probes, nor pictures of a
+/// state.
 RunDirectory open_run_directory(const std::filesystem::path&);
 
 /// The level nearest in time.
 const TimeLevel& nearest_level(const std::vector<TimeLevel>&, double time);
 
-/// The moment of a run that is worth a picture: of the levels written (grains, else the first body), the one at which the
-/// load is largest. The load is the first column of history.csv in newton whose name contains `load`; without one, the
-/// first column in metre whose name contains `settlement`, `displacement` or `tip`; without either: the last level.
+/// The moment of a run that is worth a picture: of the levels written (grains, else the first body), the one at which
+/// the load is largest. The load is the first column of history.csv in newton whose name contains `load`; without one,
+/// the first column in metre whose name contains `settlement`, `displacement` or `tip`; without either: the last level.
 struct Moment {
-  double time = 0;                // [s]
-  std::string text;               // "seat_load = 36.2 kN", or empty
+  double time = 0;   // [s]
+  std::string text;  // "seat_load = 36.2 kN", or empty
 };
 Moment peak_moment(const RunDirectory&);
 
 /// Value at a time, linear between rows.
 double value_at(const HistoryTable&, const HistoryColumn&, double time);
 
-/// A readable multiple of an SI unit for values up to `largest`: factor to multiply with and the name to print.
+/// A readable multiple of an SI unit for values up to `largest`: factor to multiply with and the name to print. A
+/// `share` is shown in per cent; a bare number (`-`, `1`) has no unit to print.
 struct ShownUnit {
   double factor = 1;
   std::string name;
