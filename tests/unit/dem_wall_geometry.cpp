@@ -35,7 +35,7 @@ void expect_valid(const Vec3* nodes, int count, const FacetContact& contact) {
 /// Nearest distance over a fine grid of the surface: an upper bound that the exact answer may not exceed.
 double grid_distance(const Vec3* nodes, int count, const Vec3& centre) {
   double best = 1e300;
-  const int n = 40;
+  const int n = 25;
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= (count == 3 ? n - i : n); ++j) {
       const double u = double(i) / n, v = double(j) / n;
