@@ -22,8 +22,8 @@ template <class Element, class Law>
 class Block final : public ElementBlock {
  public:
   Block(const BlockInput& input, int element, int law) : law_data_(input.material) {
-    lanes_ = has_avx2() ? avx2_lanes : portable_lanes;
-    kernel_ = has_avx2() ? avx2_kernel(element, law) : portable_kernel(element, law);
+    lanes_ = input.lanes > 0 ? input.lanes : has_avx2() ? avx2_lanes : portable_lanes;
+    kernel_ = lanes_ == avx2_lanes ? avx2_kernel(element, law) : portable_kernel(element, law);
     law_ = &law_data_;
     density_ = input.material.density;
     element_nodes_ = Element::nodes;

@@ -16,6 +16,7 @@ struct BlockInput {
   const MaterialRegion& material;
   std::span<const Vec3> nodes;        // [m] places of the local nodes
   std::span<const int> connectivity;  // element_nodes(element) local node numbers per element
+  int lanes = 0;                      // elements at once: 2 or 4; 0: what suits this machine
 };
 
 class ElementBlock {

@@ -1,0 +1,181 @@
+// What fem answers to wrong input: who, which key, what was found, and what to do. A code that lets one of these
+// through would compute nonsense or stop without a word.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "base/error.hpp"
+#include "tests/fem_helper.hpp"
+
+namespace {
+
+using fem_test::box;
+using fem_test::history;
+
+testing::Environment* const petsc = testing::AddGlobalTestEnvironment(new fem_test::PetscEnvironment);
+
+/// The message of the error that making a model of this body gives.
+std::string message_of(const fem::Body& body) {
+  try {
+    fem::Model::create(MPI_COMM_SELF, {{body}, {}});
+  } catch (const base::UserError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string written(const std::string& name, const std::string& text) {
+  const auto file = std::filesystem::temp_directory_path() / ("trackbed_" + std::to_string(getpid()) + "_" + name);
+  std::ofstream(file) << text;
+  return file.string();
+}
+
+void expect_message(const fem::Body& body, const std::vector<std::string>& parts) {
+  const std::string message = message_of(body);
+  for (const auto& part : parts) EXPECT_NE(message.find(part), std::string::npos) << message << "\nlacks: " << part;
+}
+
+/// A mesh file with one hexahedron of these corners in the physical volume "solid".
+std::string one_hexahedron(const std::string& corners) {
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"solid\"\n$EndPhysicalNames\n$Nodes\n8\n" +
+         corners + "$EndNodes\n$Elements\n1\n1 5 2 1 1 1 2 3 4 5 6 7 8\n$EndElements\n";
+}
+
+TEST(FemInput, GoodBodyIsTaken) { EXPECT_EQ(message_of(box("hex8", {})), "no error"); }
+
+TEST(FemInput, MissingMeshFile) {
+  auto body = box("hex8", {});
+  body.mesh_file = "nowhere.geo";
+  expect_message(body, {"scene.toml:3: body \"box\": mesh = \"nowhere.geo\"; there is no such file"});
+}
+
+TEST(FemInput, BrokenGeometryQuotesGmsh) {
+  auto body = box("hex8", {});
+  body.mesh_parameters.clear();
+  body.mesh_file = written("broken.geo", "Point(1) = {0, 0, 0;\n");
+  expect_message(body,
+                 {"scene.toml:3: body \"box\": mesh = ", "gmsh cannot make a mesh of it: ", "line 1", "syntax error"});
+}
+
+TEST(FemInput, BrokenMeshFile) {
+  auto body = box("hex8", {});
+  body.mesh_parameters.clear();
+  body.mesh_file = written("broken.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0\n");
+  expect_message(body, {"scene.toml:3: body \"box\": mesh = ", "gmsh cannot make a mesh of it: "});
+}
+
+TEST(FemInput, UnknownMeshParameterListsThoseThere) {
+  auto body = box("hex8", {});
+  body.mesh_parameters["lenght"] = 2;
+  expect_message(body, {"mesh_parameters.lenght = 2", "has no such parameter",
+                        "it has: cells_x, cells_y, cells_z, height, length, width"});
+}
+
+TEST(FemInput, NoThickness) {
+  auto body = box("hex8", {1, 1, 0, 1, 1, 1});
+  expect_message(body, {"length, width and height must be positive"});
+}
+
+TEST(FemInput, FlatElementNamesItsPlace) {
+  auto body = box("hex8", {});
+  body.mesh_parameters.clear();
+  body.mesh_file =
+      written("flat.msh", one_hexahedron("1 0 0 0\n2 2 0 0\n3 2 2 0\n4 0 2 0\n5 0 0 0\n6 2 0 0\n7 2 2 0\n8 0 2 0\n"));
+  expect_message(body, {"element 1 at (1, 1, 0) m is flat or inside out", "a layer of no thickness"});
+}
+
+TEST(FemInput, InvertedElementNamesItsPlace) {
+  auto body = box("hex8", {});
+  body.mesh_parameters.clear();
+  body.mesh_file = written(
+      "inverted.msh", one_hexahedron("1 0 0 0\n2 2 0 0\n3 2 2 0\n4 0 2 0\n5 0 0 1\n6 2 0 1\n7 -1 -1 1\n8 0 2 1\n"));
+  expect_message(body, {"element 1 at (0.625, 0.625, 0.5) m is flat or inside out"});
+}
+
+TEST(FemInput, UnknownGroupsListThoseThere) {
+  const std::string groups = "it has: solid, x_max, x_min, y_max, y_min, z_max, z_min";
+  auto body = box("hex8", {});
+  body.supports = {{"left", {true, true, true}, "scene.toml:9"}};
+  expect_message(body, {"scene.toml:9: body \"box\": support.group = \"left\"", groups});
+  body.supports.clear();
+  body.loads = {
+      {"push", "right", fem::LoadKind::face_total, {1, 0, 0}, history([](double) { return 1; }), "scene.toml:11"}};
+  expect_message(body, {"scene.toml:11: body \"box\": load.group = \"right\"", groups});
+  body.loads.clear();
+  body.skin = {"upper"};
+  expect_message(body, {"skin = \"upper\"", groups});
+  body.skin = {"solid"};
+  expect_message(body, {"skin = \"solid\" is not an outer surface"});
+  body.skin.clear();
+  body.materials[0].group = "concrete";
+  expect_message(body, {"scene.toml:7: body \"box\": material.group = \"concrete\"", "it has: solid"});
+}
+
+TEST(FemInput, MaterialsCoverEveryCellOnce) {
+  auto body = box("hex8", {});
+  body.mesh_parameters.clear();
+  body.mesh_file = TRACKBED_SOURCE_FOLDER "/meshes/ground.geo";
+  body.materials[0].group = "formation";
+  expect_message(body, {"the physical volume \"subgrade\" has no material"});
+  body.materials.push_back(body.materials[0]);
+  expect_message(body, {"material.group = \"formation\" shares cells with material.group = \"formation\""});
+  body.materials.clear();
+  expect_message(body, {"has no material"});
+}
+
+TEST(FemInput, MaterialRanges) {
+  auto body = box("hex8", {});
+  body.materials[0].poisson_ratio = 0.5;
+  expect_message(body, {"scene.toml:7: body \"box\": poisson_ratio = 0.5; must be in (-1, 0.5)", "hex8_bbar"});
+  body = box("hex8", {});
+  body.materials[0].young_modulus = 0;
+  expect_message(body, {"young_modulus = 0; must be > 0 Pa"});
+  body = box("hex8", {});
+  body.materials[0].density = -1;
+  expect_message(body, {"density = -1; must be > 0 kg/m3"});
+  body = box("hex8", {});
+  body.materials[0].law = "rubber";
+  expect_message(body, {"law = \"rubber\"; must be one of: linear_elastic"});
+}
+
+TEST(FemInput, ElementThatDoesNotFitTheMesh) {
+  auto body = box("hex20", {});
+  expect_message(body, {"element = \"hex20\"; must be one of: hex8, hex8_bbar, tet4"});
+  body.element = "hex8";
+  body.mesh_parameters.clear();
+  body.mesh_file =
+      written("tetrahedra.geo",
+              "SetFactory(\"Built-in\"); Point(1) = {0,0,0,1}; Point(2) = {1,0,0,1}; Point(3) = {0,1,0,1}; "
+              "Line(1) = {1,2}; Line(2) = {2,3}; Line(3) = {3,1}; Curve Loop(1) = {1,2,3}; Plane Surface(1) = {1}; "
+              "o[] = Extrude {0,0,1} { Surface{1}; }; Physical Volume(\"solid\") = {o[1]};\n");
+  expect_message(body, {"element = \"hex8\" needs hexahedra", "holds tetrahedra", "use element = \"tet4\""});
+  body.element = "tet4";
+  EXPECT_EQ(message_of(body), "no error");
+}
+
+TEST(FemInput, LoadOnAHeldGroup) {
+  auto body = box("hex8", {});
+  body.supports = {{"x_min", {true, true, true}, "scene.toml:9"}};
+  body.loads = {
+      {"push", "x_min", fem::LoadKind::face_total, {1, 0, 0}, history([](double) { return 1; }), "scene.toml:11"}};
+  expect_message(body, {"scene.toml:11: body \"box\": load.group = \"x_min\" is held by supports", "do nothing"});
+}
+
+TEST(FemInput, LoadOverAnAreaNeedsASurface) {
+  auto body = box("hex8", {});
+  body.loads = {
+      {"push", "solid", fem::LoadKind::traction, {1, 0, 0}, history([](double) { return 1; }), "scene.toml:11"}};
+  expect_message(body, {"load.group = \"solid\" is not a surface", "nodal_total"});
+}
+
+TEST(FemInput, TwoBodiesOfOneName) {
+  try {
+    fem::Model::create(MPI_COMM_SELF, {{box("hex8", {}), box("tet4", {})}, {}});
+    FAIL() << "taken";
+  } catch (const base::UserError& error) {
+    EXPECT_STREQ(error.what(), "scene.toml:3: body \"box\": there are two bodies of this name");
+  }
+}
+
+}  // namespace
