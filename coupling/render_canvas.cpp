@@ -107,7 +107,8 @@ Range percentile_range(std::vector<double> values, double share) {
 
 double round_step(double width) {
   if (!(width > 0)) return 1;
-  const double wanted = width / 6, decade = std::pow(10, std::floor(std::log10(wanted))), share = wanted / decade;
+  const double wanted = width / 6, decade = std::pow(10, std::floor(std::log10(wanted))),
+               share = wanted / decade * (1 - 1e-9);
   return decade * (share > 5 ? 10 : (share > 2.5 ? 5 : (share > 2 ? 2.5 : (share > 1 ? 2 : 1))));
 }
 

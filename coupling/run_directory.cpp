@@ -139,7 +139,9 @@ HistoryTable read_history(const fs::path& csv) {
 }
 
 std::vector<TimeLevel> read_pvd(const fs::path& pvd) {
+  vtkObject::GlobalWarningDisplayOff();  // a broken file is reported below, in our words
   const auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(pvd.c_str()));
+  vtkObject::GlobalWarningDisplayOn();
   vtkXMLDataElement* collection = root ? root->FindNestedElementWithName("Collection") : nullptr;
   base::require_user(collection != nullptr, pvd.string() + ": no VTK collection (.pvd)");
   std::vector<TimeLevel> levels;
