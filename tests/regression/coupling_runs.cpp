@@ -110,7 +110,8 @@ TEST(Runs, MoreRanksThanAGrainSceneCanUseAreRefused) {
   const fs::path file = scratch() / "grains.toml";
   std::ofstream(file)
       << "title = \"one grain\"\n[grains]\nmaterial = { young_modulus = \"1 GPa\", poisson_ratio = 0.2, "
-         "density = 2700 }\n[[grain]]\nposition = [0, 0, 1]\nradius = 0.02\n[[stage]]\nname = \"fall\"\n"
+         "density = 2700 }\nfriction = 0.5\nrestitution = 0.5\n[[grain]]\nposition = [0, 0, 1]\nradius = "
+         "0.02\n[[stage]]\nname = \"fall\"\n"
          "duration = \"1 ms\"\n";
   const auto one = trackbed("run " + file.string() + " --out " + (scratch() / "one_grain").string());
   EXPECT_EQ(one.status, 0) << one.output;
