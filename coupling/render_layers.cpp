@@ -158,8 +158,8 @@ Actor spheres(vtkPolyData* grains, vtkColorTransferFunction* colours, Colour pla
   // take minutes for ten thousand grains.
   vtkNew<vtkSphereSource> ball;
   ball->SetRadius(1);
-  ball->SetThetaResolution(20);
-  ball->SetPhiResolution(16);
+  ball->SetThetaResolution(16);
+  ball->SetPhiResolution(12);
   vtkNew<vtkGlyph3DMapper> mapper;
   mapper->SetInputData(grains);
   mapper->SetSourceConnection(ball->GetOutputPort());
@@ -275,8 +275,8 @@ Actor faces(vtkPolyData* data, vtkColorTransferFunction* colours, Colour plain, 
   mapper->InterpolateScalarsBeforeMappingOn();
   actor->SetMapper(mapper);
   actor->GetProperty()->SetLighting(lit);
-  actor->GetProperty()->SetAmbient(lit ? 0.2 : 1);
-  actor->GetProperty()->SetDiffuse(lit ? 0.8 : 0);
+  actor->GetProperty()->SetAmbient(lit ? (colours != nullptr ? 0.5 : 0.3) : 1);
+  actor->GetProperty()->SetDiffuse(lit ? (colours != nullptr ? 0.5 : 0.7) : 0);
   return actor;
 }
 
