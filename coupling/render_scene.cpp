@@ -222,7 +222,7 @@ void draw_cut(const RunDirectory& run, State state, const Moment& moment, const 
     if (strong > 0) {
       const auto unit = readable_unit("N", strong);
       const auto colours_of_force = force_colours(strong * unit.factor);
-      add(canvas, force_chains(state.contacts, section, {strong, 0.45 * section.depth, unit.factor}, colours_of_force));
+      add(canvas, force_chains(state.contacts, section, {strong, 0.38 * section.depth, unit.factor}, colours_of_force));
       canvas.add_colour_bar("contact force [" + unit.name + "]", colours_of_force);
     }
   }
