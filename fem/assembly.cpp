@@ -1,6 +1,9 @@
 #include "fem/assembly.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
 
 #include "fem/communication.hpp"
 
@@ -80,19 +83,29 @@ std::vector<int> Assembly::elements_of(int body) const {
 
 Assembly::Limiter Assembly::limiter() const {
   Limiter limiter;
+  // among elements that are alike the first in the mesh, so that the answer is the same on any number of ranks
+  const auto take = [&](const Limiter& other) {
+    const bool tie = std::abs(other.eigenvalue - limiter.eigenvalue) <= alike * limiter.eigenvalue;
+    const bool first = std::tie(other.body, other.element) < std::tie(limiter.body, limiter.element);
+    const double bound = std::max(limiter.eigenvalue, other.eigenvalue);
+    if (tie ? first : other.eigenvalue > limiter.eigenvalue) limiter = other;
+    limiter.eigenvalue = bound;
+  };
   for (const auto* parts : {&interior_, &border_}) {
     for (const auto& part : *parts) {
-      const auto largest = part.block->largest_element_eigenvalue(limiter.eigenvalue);
-      if (largest.element >= 0) limiter = {largest.eigenvalue, part.body, part.elements[largest.element]};
+      std::vector<int> order(part.elements.size());
+      std::iota(order.begin(), order.end(), 0);
+      std::ranges::sort(order, {}, [&](int i) { return part.elements[i]; });
+      const auto largest = part.block->largest_element_eigenvalue(limiter.eigenvalue * (1 - alike), order);
+      if (largest.element >= 0) take({largest.eigenvalue, part.body, part.elements[largest.element]});
     }
   }
-  struct {
-    double value;
-    int rank;
-  } winner{limiter.eigenvalue, 0};
-  MPI_Comm_rank(comm_, &winner.rank);
-  MPI_Allreduce(MPI_IN_PLACE, &winner, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm_);
-  MPI_Bcast(&limiter, sizeof limiter, MPI_BYTE, winner.rank, comm_);
+  int ranks = 1;
+  MPI_Comm_size(comm_, &ranks);
+  std::vector<Limiter> all(ranks);
+  MPI_Allgather(&limiter, sizeof limiter, MPI_BYTE, all.data(), sizeof limiter, MPI_BYTE, comm_);
+  limiter = all[0];
+  for (const auto& other : all) take(other);
   return limiter;
 }
 

@@ -19,6 +19,9 @@ struct BlockInput {
   int lanes = 0;                      // elements at once: 2 or 4; 0: what suits this machine
 };
 
+/// Relative difference of eigenvalues up to which elements count as alike.
+constexpr double alike = 1e-9;
+
 class ElementBlock {
  public:
   static std::unique_ptr<ElementBlock> make(const BlockInput&);
@@ -35,12 +38,12 @@ class ElementBlock {
   virtual void stresses(const double* displacements, std::vector<std::array<double, 6>>& result) const = 0;
   /// Largest eigenvalue [1/s2] of each element on its own, free, with its own lumped mass, among those whose bound (the
   /// trace) exceeds `worth`; {0, -1} if there is none. The largest over all elements bounds the assembled one from
-  /// above.
+  /// above. Of elements that are alike the first in `order` (all elements, each once) is named.
   struct Largest {
     double eigenvalue = 0;
     int element = -1;
   };
-  virtual Largest largest_element_eigenvalue(double worth) const = 0;
+  virtual Largest largest_element_eigenvalue(double worth, std::span<const int> order) const = 0;
 
  protected:
   int elements_ = 0, batches_ = 0, lanes_ = 1, element_nodes_ = 0;
