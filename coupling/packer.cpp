@@ -18,13 +18,18 @@ namespace coupling {
 namespace {
 
 constexpr double pour_fraction = 0.28;     // solid fraction of the grains before they fall
-constexpr double calm = 1e-4;              // mean kinetic energy of a grain over m g r at which it counts as at rest
+constexpr double calm = 3e-3;              // kinetic energy over m g r at which grains count as at rest (some 3 cm/s)
 constexpr double chunk = 0.01;             // [s] between looks at the state
 constexpr double absurd_pressure = 0.5e6;  // [Pa] mean under the plate
-constexpr double penetration = 0.1;        // overlap / radius with an arriving body above which a grain is taken out
-constexpr double cut_share = 0.5;          // of the radius that may stand out of a cut slope
-constexpr double plate_rest = 0.05;        // [s] for which the plate stays down
-constexpr double slope_time = 0.3;         // [s] most that the cut slope gets to settle
+constexpr double bedding_share = 0.25;     // of the plate's speed, at which a body is set down on the layer below
+constexpr double release_share = 0.1;      // of the plate's speed, at which the plate lets go of the grains
+constexpr double release_time = 0.05;      // [s]
+constexpr double strike_depth =
+    0.25;                            // of the median grain radius, below the plate's level; the plate presses the rest
+constexpr double plate_rest = 0.05;  // [s] for which the plate stays down
+constexpr double slope_earliest =
+    0.1;  // [s] least time for the cut slope: grains that lost their hold need it to start moving
+constexpr double slope_time = 0.3;  // [s] most time for it
 
 dem::SieveCurve sieve_curve(const Packing& packing) {
   dem::SieveCurve curve;
@@ -72,8 +77,13 @@ std::vector<dem::Grain> Packer::run(PackingReport& report) {
     phase_ = fmt::format("packing layer {} of {}", layer + 1, packing_.layers.size());
     bring_bodies(layer);
     pour(layer);
-    strike_off(packing_.layers[layer].box.upper.z);
-    if (packing_.layers[layer].plate) press(packing_.layers[layer]);
+    const double top = packing_.layers[layer].box.upper.z;
+    if (packing_.layers[layer].plate) {
+      strike_off(top - strike_depth * 0.5 * median_size(sieve_curve(packing_)));
+      press(packing_.layers[layer]);
+    } else {
+      strike_off(top);
+    }
   }
   phase_ = "packing: slope";
   cut_free();
@@ -111,19 +121,40 @@ void Packer::add_walls() {
 
 void Packer::bring_bodies(std::size_t layer) {
   for (const int body : region_.arriving(layer)) {
-    const base::Skin& skin = skins_[static_cast<std::size_t>(body)];
-    const Obstacle& obstacle = region_.obstacle(body);
-    const std::size_t removed = remove_if([&](const dem::Grain& grain) {
-      return obstacle.inside(grain.position) || obstacle.closer_than(grain.position, (1 - penetration) * grain.radius);
-    });
-    if (removed > 0) spdlog::info("{} grains make room for body \"{}\"", removed, skin.body);
+    base::Skin skin = skins_[static_cast<std::size_t>(body)];
     const auto material = scene_.grains->body_material.find(skin.body);
     base::require_internal(material != scene_.grains->body_material.end(), "a body's skin has a contact material");
-    simulation_->add_mesh(skin, material->second, false);
-    const double height = 4 * (region_.all().upper.z - region_.all().lower.z) + 1;
-    const base::Skin rim = collar(skin, height);
+    const double lift = clearing_lift(region_.obstacle(body));
+    for (Vec3& node : skin.nodes) node.z += lift;
+    const int wall = simulation_->add_mesh(skin, material->second, false);
+    if (lift > 0) {
+      spdlog::info("body \"{}\" is set down from {:.1f} mm above its place", skin.body, 1e3 * lift);
+      const double speed = bedding_share * packing_.plate_speed;
+      simulation_->set_wall_velocity(wall, {0, 0, -speed});
+      advance(lift / speed);
+      simulation_->set_wall_velocity(wall, {});
+    }
+    const base::Skin& rim = region_.rim(body);
     if (!rim.facets.empty()) temporary_walls_.push_back(simulation_->add_mesh(rim, material->second, false));
   }
+}
+
+double Packer::clearing_lift(const Obstacle& obstacle) {
+  constexpr double increment = 0.5e-3;  // [m]
+  constexpr int most = 40;
+  const std::vector<dem::Grain> grains = simulation_->grains();
+  const auto touches = [&](const dem::Grain& grain, double lift) {
+    const Vec3 seen = grain.position - Vec3{0, 0, lift};  // the grain as the body in its place would see it
+    return obstacle.inside(seen) || obstacle.closer_than(seen, grain.radius);
+  };
+  for (int i = 0; i < most; ++i) {
+    const double lift = i * increment;
+    if (std::none_of(grains.begin(), grains.end(), [&](const dem::Grain& grain) { return touches(grain, lift); }))
+      return lift;
+  }
+  const std::size_t removed = remove_if([&](const dem::Grain& grain) { return touches(grain, most * increment); });
+  spdlog::info("{} grains make room for a body", removed);
+  return most * increment;
 }
 
 void Packer::pour(std::size_t number) {
@@ -185,6 +216,7 @@ void Packer::settle(double earliest, double duration) {
       scale += mass_over_density(grain) * norm(scene_.gravity) * grain.radius;
     }
     show(kinetic / scale);
+    spdlog::debug("t = {:.3f} s: kinetic energy {:.2e} m g r", simulation_->time(), kinetic / scale);
     if (time + chunk > earliest && kinetic < calm * scale) return;
   }
 }
@@ -222,39 +254,43 @@ void Packer::press(const PackingLayer& layer) {
   const int chunks = std::max(1, static_cast<int>(std::ceil(travel / (packing_.plate_speed * chunk))));
   simulation_->set_wall_velocity(plate, {0, 0, -packing_.plate_speed});
   for (int i = 0; i < chunks; ++i) {
-    advance(travel / packing_.plate_speed / chunks);
+    const double level = top - travel * (i + 1) / chunks;
+    try {
+      advance(travel / packing_.plate_speed / chunks);
+    } catch (const base::UnstableError& error) {
+      refuse_plate(layer, level, error.what());
+    }
     peak = std::max(peak, pressure());
     show(0);
-    if (peak > absurd_pressure) refuse_plate(layer, top - travel * (i + 1) / chunks, peak);
+    if (peak > absurd_pressure) refuse_plate(layer, level, fmt::format("{:.0f} kPa press against it", 1e-3 * peak));
   }
   simulation_->set_wall_velocity(plate, {});
   settle(0, plate_rest);
   const double held = pressure();
-  simulation_->set_wall_velocity(plate, {0, 0, packing_.plate_speed});
-  advance(chunk);
+  simulation_->set_wall_velocity(plate, {0, 0, release_share * packing_.plate_speed});
+  settle(release_time, release_time);
   simulation_->remove_wall(plate);
-  settle(chunk, 2 * plate_rest);
+  settle(chunk, plate_rest);
   spdlog::info("plate came down {:.1f} mm, {:.1f} kPa at most, {:.1f} kPa at rest", 1e3 * travel, 1e-3 * peak,
                1e-3 * held);
 }
 
-void Packer::refuse_plate(const PackingLayer& layer, double level, double pressure) const {
-  throw base::UserError(fmt::format(
-      "{}: packing.layer.plate: cannot come down to z = {:g} m: {:.0f} kPa press against it at z = {:.4g} m; "
-      "raise packing.target_porosity, lower packing.friction or the layer's overfill, or leave the plate out",
-      layer.origin, layer.box.upper.z, 1e-3 * pressure, level));
+void Packer::refuse_plate(const PackingLayer& layer, double level, const std::string& what) const {
+  throw base::UserError(
+      fmt::format("{}: packing.layer.plate: cannot come down to z = {:g} m: at z = {:.4g} m {}; raise "
+                  "packing.target_porosity, lower packing.friction or the layer's overfill, or leave the plate out",
+                  layer.origin, layer.box.upper.z, level, what));
 }
 
 void Packer::cut_free() {
   const std::size_t cut = remove_if([&](const dem::Grain& grain) {
-    return std::any_of(packing_.cuts.begin(), packing_.cuts.end(), [&](const dem::Plane& plane) {
-      return height_above(plane, grain.position) + grain.radius > cut_share * grain.radius;
-    });
+    return std::any_of(packing_.cuts.begin(), packing_.cuts.end(),
+                       [&](const dem::Plane& plane) { return height_above(plane, grain.position) > 0; });
   });
   if (!packing_.cuts.empty()) spdlog::info("{} grains cut away", cut);
   use_interactions(true);
   for (const int wall : temporary_walls_) simulation_->remove_wall(wall);
-  settle(2 * chunk, slope_time);
+  settle(slope_earliest, slope_time);
   const Box& box = region_.all();
   const std::size_t lost = remove_if([&](const dem::Grain& grain) {
     const Vec3& p = grain.position;

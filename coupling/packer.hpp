@@ -23,6 +23,8 @@ class Packer {
  private:
   void add_walls();
   void bring_bodies(std::size_t layer);
+  /// Least height [m] above its place at which a body touches no grain; takes grains out where that is too much.
+  double clearing_lift(const Obstacle&);
   void pour(std::size_t layer);
   void strike_off(double level);
   void press(const PackingLayer&);
@@ -35,7 +37,7 @@ class Packer {
   std::size_t remove_if(Condition);
   double step() const;
   void use_interactions(bool real);
-  [[noreturn]] void refuse_plate(const PackingLayer&, double level, double pressure) const;
+  [[noreturn]] void refuse_plate(const PackingLayer&, double level, const std::string& what) const;
   void show(double kinetic);  // one line on a terminal; kinetic energy over m g r
 
   const Scene& scene_;

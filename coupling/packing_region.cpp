@@ -52,6 +52,8 @@ PackingRegion::PackingRegion(const Scene& scene, const std::vector<base::Skin>& 
   arriving_.resize(packing_.layers.size());
   for (std::size_t body = 0; body < skins.size(); ++body) {
     obstacles_.emplace_back(skins[body]);
+    rims_.push_back(collar(skins[body], 4 * (all_.upper.z - all_.lower.z) + 1));
+    rim_obstacles_.emplace_back(rims_.back());
     std::size_t first = 0;
     for (std::size_t layer = packing_.layers.size(); layer-- > 0;) {
       const auto& names = packing_.layers[layer].bodies;
@@ -102,7 +104,10 @@ bool PackingRegion::room(std::size_t layer, const Vec3& centre, double radius) c
   }
   for (std::size_t i = 0; i <= layer; ++i) {
     for (const int body : arriving_[i]) {
-      if (obstacle(body).inside(centre) || (radius > 0 && obstacle(body).closer_than(centre, radius))) return false;
+      if (obstacle(body).inside(centre)) return false;
+      if (radius <= 0) continue;
+      if (obstacle(body).closer_than(centre, radius)) return false;
+      if (rim_obstacles_[static_cast<std::size_t>(body)].closer_than(centre, radius)) return false;
     }
   }
   return true;

@@ -19,6 +19,8 @@ class PackingRegion {
   /// Bodies (indices into skins) first in place in this layer; those that no layer names are there from the first.
   const std::vector<int>& arriving(std::size_t layer) const { return arriving_[layer]; }
   const Obstacle& obstacle(int body) const { return obstacles_[static_cast<std::size_t>(body)]; }
+  /// Collar above the body's open top, if it has one: in place while grains are poured.
+  const base::Skin& rim(int body) const { return rims_[static_cast<std::size_t>(body)]; }
   /// Surface of a scene wall that is a mesh; empty for a plane.
   const base::Skin& wall_surface(std::size_t wall) const { return wall_surfaces_[wall]; }
 
@@ -41,6 +43,8 @@ class PackingRegion {
   std::vector<dem::Plane> planes_;  // of the scene's walls, unit normals
   std::vector<dem::Plane> sides_;
   std::vector<Obstacle> obstacles_;
+  std::vector<base::Skin> rims_;
+  std::vector<Obstacle> rim_obstacles_;
   std::vector<std::vector<int>> arriving_;
   std::vector<base::Skin> wall_surfaces_;  // one per scene wall
   std::vector<Obstacle> wall_obstacles_;   // one per scene wall

@@ -32,7 +32,7 @@ coupling::Scene box_scene() {
   grains.packing->friction = 0.1;
   grains.packing->origin = "scene.toml:3";
   coupling::PackingLayer layer;
-  layer.box = {{0, 0, 0}, {1, 1, 1}};
+  layer.box = {{0, 0, 0}, {0.2, 0.2, 0.2}};
   layer.origin = "scene.toml:9";
   grains.packing->layers = {layer};
   return scene;
@@ -136,9 +136,9 @@ TEST_F(PackingCache, KeyFollowsWhatDecidesThePacking) {
 
 TEST(PackingRegion, VolumeLeavesOutBodiesAndWalls) {
   coupling::Scene scene = box_scene();
-  scene.grains->walls[0].plane->point.z = 0.25;
+  scene.grains->walls[0].plane->point.z = 0.05;
   const coupling::PackingRegion region(scene, {});
-  EXPECT_NEAR(region.volume(0), 0.75, 1e-9);
+  EXPECT_NEAR(region.volume(0), 0.006, 1e-9);
   EXPECT_EQ(region.sides().size(), 4u);
 }
 
@@ -154,7 +154,7 @@ TEST(PackingRefusal, NothingBelow) {
 TEST(PackingRefusal, LayerWithoutThickness) {
   coupling::Scene scene = box_scene();
   scene.grains->packing->layers[0].box.upper.z = 0;
-  EXPECT_EQ(refusal(scene), "scene.toml:9: packing.layer.box has no volume (1 x 1 x 0 m); every edge must be > 0");
+  EXPECT_EQ(refusal(scene), "scene.toml:9: packing.layer.box has no volume (0.2 x 0.2 x 0 m); every edge must be > 0");
 }
 
 TEST(PackingRefusal, BoxThatWallsFill) {

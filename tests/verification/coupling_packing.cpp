@@ -1,0 +1,126 @@
+// A small box of ballast packed by gravity: porosity of random sphere packings, repeatability, grading kept, cache.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "coupling/measure.hpp"
+#include "coupling/packing.hpp"
+#include "dem/grading.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double edge = 0.25;  // [m]
+
+coupling::Scene cube_scene() {
+  coupling::Scene scene;
+  scene.time.dem_fraction = 0.3;
+  scene.grains.emplace();
+  coupling::GrainsScene& grains = *scene.grains;
+  grains.materials = {{"ballast", 16.8e9, 0.2, 2700}};
+  grains.interactions = {{0.6, 0.4, 0.2}};
+  const auto add_wall = [&](const base::Vec3& point, const base::Vec3& normal) {
+    coupling::WallScene wall;
+    wall.plane = dem::Plane{point, normal};
+    grains.walls.push_back(wall);
+  };
+  add_wall({0, 0, 0}, {0, 0, 1});
+  add_wall({0, 0, 0}, {1, 0, 0});
+  add_wall({edge, 0, 0}, {-1, 0, 0});
+  add_wall({0, 0, 0}, {0, 1, 0});
+  add_wall({0, edge, 0}, {0, -1, 0});
+  coupling::Packing& packing = grains.packing.emplace();
+  packing.grading = {{0.0224, 0}, {0.0315, 0.12}, {0.040, 0.48}, {0.050, 0.85}, {0.063, 1}};
+  packing.young_modulus = 0.24e9;
+  packing.friction = 0.1;
+  packing.target_porosity = 0.42;
+  packing.grain_damping = 5;
+  coupling::PackingLayer layer;
+  layer.box = {{0, 0, 0}, {edge, edge, edge}};
+  packing.layers = {layer};
+  return scene;
+}
+
+void expect_same(const std::vector<dem::Grain>& a, const std::vector<dem::Grain>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a[i].id, b[i].id);
+    ASSERT_EQ(a[i].radius, b[i].radius) << i;
+    for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(a[i].position[axis], b[i].position[axis]) << i;
+  }
+}
+
+// Random packings of spheres lie between random close (porosity 0.36 for equal spheres) and random loose (0.45)
+// packing; low friction goes towards the dense end. Source: Irazabal2017 6.3 packs railway ballast spheres to 0.394.
+TEST(Packing, CubeOfBallast) {
+  const fs::path folder = fs::temp_directory_path() / ("trackbed-packing-" + std::to_string(getpid()));
+  setenv("TRACKBED_CACHE", folder.c_str(), 1);
+  coupling::Scene scene = cube_scene();
+  coupling::PackingReport report;
+  dem::set_threads(1);
+  const auto grains = coupling::pack(scene, {}, dem::Backend::omp, report);
+
+  EXPECT_FALSE(report.from_cache);
+  EXPECT_EQ(report.grains, static_cast<std::int64_t>(grains.size()));
+  EXPECT_GT(report.grains, 300);
+  EXPECT_LT(report.grains, 500);
+  EXPECT_GT(report.porosity, 0.36);
+  EXPECT_LT(report.porosity, 0.45);
+  EXPECT_GT(report.coordination, 3);
+  EXPECT_LT(report.coordination, 7);
+
+  std::vector<double> radii;
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const dem::Grain& grain = grains[i];
+    EXPECT_EQ(grain.id, static_cast<std::int64_t>(i));
+    EXPECT_EQ(base::norm(grain.velocity), 0);
+    // At 0.24 GPa a grain under 50 kPa dents by a few per cent of its radius.
+    const double dent = 0.1 * grain.radius;
+    for (int axis = 0; axis < 3; ++axis) EXPECT_GT(grain.position[axis] - grain.radius, -dent) << i;
+    EXPECT_LT(grain.position.x + grain.radius, edge + dent);
+    EXPECT_LT(grain.position.y + grain.radius, edge + dent);
+    EXPECT_LT(grain.position.z + grain.radius, edge + 0.5 * grain.radius) << "the plate left a grain standing out";
+    radii.push_back(grain.radius);
+  }
+  const std::vector<double> sizes{0.0315, 0.040, 0.050, 0.063};
+  for (const dem::Sieve& row : dem::sieve(radii, sizes)) {
+    double wanted = 0;
+    for (const auto& [size, passing] : scene.grains->packing->grading) wanted = size == row.size ? passing : wanted;
+    EXPECT_NEAR(row.passing, wanted, 0.05) << row.size;
+  }
+
+  const auto cached = coupling::pack(scene, {}, dem::Backend::omp, report);
+  EXPECT_TRUE(report.from_cache);
+  expect_same(grains, cached);
+
+  scene.grains->packing->use_cache = false;
+  dem::set_threads(2);
+  const auto again = coupling::pack(scene, {}, dem::Backend::omp, report);
+  EXPECT_FALSE(report.from_cache);
+  expect_same(grains, again);
+  dem::set_threads(1);
+  fs::remove_all(folder);
+}
+
+// A plate that would have to press the grains far below their closest packing stops and says so.
+TEST(Packing, PlateThatCannotComeDown) {
+  coupling::Scene scene = cube_scene();
+  scene.grains->packing->use_cache = false;
+  scene.grains->packing->layers[0].box.upper = {edge, edge, 0.02};  // lower than most grains are thick
+  scene.grains->packing->layers[0].origin = "scene.toml:9";
+  scene.grains->packing->layers[0].overfill = 1;
+  std::string message;
+  try {
+    coupling::PackingReport report;
+    coupling::pack(scene, {}, dem::Backend::omp, report);
+  } catch (const base::UserError& error) {
+    message = error.what();
+  }
+  EXPECT_EQ(message.rfind("scene.toml:9: packing.layer.plate: cannot come down to z = 0.02 m: ", 0), 0u) << message;
+}
+
+}  // namespace
