@@ -25,7 +25,8 @@ bool cuda_available(std::string* why_not) {
 std::unique_ptr<Simulation> Simulation::create(const Setup& setup, Backend backend) {
   if (backend == Backend::omp) return create_omp(setup);
   std::string why_not;
-  base::require_user(cuda_available(&why_not), "backend = cuda cannot be used: " + why_not);
+  const bool available = cuda_available(&why_not);
+  base::require_user(available, "backend = cuda cannot be used: " + why_not);
 #if defined(TRACKBED_WITH_CUDA)
   return create_cuda(setup);
 #else

@@ -29,6 +29,13 @@
 
 #include "base/vec3.hpp"
 
+/// Inlines everything a functor calls: g++ would leave the contact law a call, at the price of a third of its speed.
+#if defined(__CUDACC__)
+#define TRACKBED_FLATTEN
+#else
+#define TRACKBED_FLATTEN __attribute__((flatten))
+#endif
+
 namespace dem::TRACKBED_DEM_SYSTEM {
 
 using base::Vec3;

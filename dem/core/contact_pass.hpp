@@ -19,8 +19,10 @@ struct ContactPass {
   int* unstable;
   double maximum_overlap;  // share of the smaller radius
   double dt;               // [s] of the step that ends now; 0: forces at the start
+  int number;              // of pairs
 
-  TRACKBED_HD void operator()(int c) const {
+  TRACKBED_FLATTEN TRACKBED_HD void operator()(int c) const {
+    fetch_ahead(c + 8);
     const int i = first[c], j = second[c];
     const Place a = place[i], b = place[j];
     const Vec3 between = a.position - b.position;
@@ -55,6 +57,17 @@ struct ContactPass {
       l.elastic_normal = contact.elastic_normal;
       l.elastic_shear = contact.elastic_shear;
     }
+  }
+
+  /// The partner's rows lie anywhere: a processor is told early which it will need; a GPU hides it with other threads.
+  TRACKBED_HD void fetch_ahead([[maybe_unused]] int c) const {
+#if !defined(__CUDACC__)
+    if (c >= number) return;
+    const int j = second[c];
+    __builtin_prefetch(place + j);
+    __builtin_prefetch(translation + j);
+    if (rotation) __builtin_prefetch(rotation + j);
+#endif
   }
 
   /// Of i relative to j at the contact point: the velocity at the end of the step (predicted from the last

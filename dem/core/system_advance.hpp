@@ -94,7 +94,8 @@ inline void System::evaluate(double dt, double advance) {
                                     .ledger = pointer(pairs_.ledger),
                                     .unstable = pointer(trouble_),
                                     .maximum_overlap = setup_.maximum_overlap,
-                                    .dt = advance});
+                                    .dt = advance,
+                                    .number = pairs_.size()});
   launch(near_walls_.near_grains(), WallPass{.geometry = walls_.geometry(),
                                              .node_velocity = pointer(walls_.velocity),
                                              .node_displacement = pointer(walls_.displacement),
