@@ -28,8 +28,8 @@ enum class Type {
   reals,    // a list of numbers with a unit
   texts,    // a list of texts
   pairs,    // a list of pairs of numbers, the first with `unit`, the second plain
-  quantity,
-  quantities,  // a number, or a list of them, whose unit something else decides: see number_of()
+  quantity,    // a number whose unit something else decides: see number_of()
+  quantities,  // a list of them
   numbers,     // a table of free keys and numbers with a unit
   table,       // one declared table, or one row of a family
   tables,      // a list of them

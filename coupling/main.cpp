@@ -2,6 +2,7 @@
 // 4 the machine failed it.
 #include <fmt/format.h>
 #include <mpi.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -118,10 +119,14 @@ int list(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  spdlog::set_pattern("%v");  // until a run opens its own log
   Arguments arguments;
   CLI::App app("Ballasted railway track: grains (DEM) and solids (FEM), coupled.", "trackbed");
   app.set_version_flag("--version", "trackbed " + std::string(base::code_version()));
   app.require_subcommand(1);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return fmt::format("trackbed: error: {}; run with --help to see how\n", error.what());
+  });
   app.footer(
       "Example: mpirun -n 2 trackbed run configs/one_sleeper.toml --out runs/first\n"
       "Exit status: 0 done, 2 wrong input, 3 unstable, 4 the machine failed, 1 a mistake in Trackbed.");

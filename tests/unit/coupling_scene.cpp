@@ -402,6 +402,14 @@ TEST_F(SceneFile, PackingHashFollowsWhatMakesThePacking) {
   EXPECT_NE(read(text).packing_hash, hash);
 }
 
+TEST(Scenes, EveryShippedSceneReads) {
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(TRACKBED_SOURCE_FOLDER) / "configs")) {
+    if (entry.path().extension() != ".toml") continue;
+    const Scene scene = coupling::read_scene(entry.path());
+    EXPECT_FALSE(scene.title.empty()) << entry.path();
+  }
+}
+
 TEST(List, EveryFamilyHasTextAndAnUnknownOneIsRefused) {
   for (const auto& family : coupling::families()) EXPECT_GT(coupling::list_family(family).size(), 100u) << family;
   EXPECT_NE(coupling::list_family("histories").find("eq. 7.13"), std::string::npos);

@@ -1,0 +1,83 @@
+// `trackbed check`: what is on and what is off is said, and numbers that can be worked out by hand are right.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "base/error.hpp"
+#include "coupling/check.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string check_of(const std::string& text, std::vector<coupling::Override> overrides = {}) {
+  const fs::path file = fs::temp_directory_path() / ("trackbed_check_" + std::to_string(getpid()) + ".toml");
+  std::ofstream(file) << text;
+  coupling::RunOptions options;
+  options.scene = file;
+  options.backend = "omp";
+  options.overrides = std::move(overrides);
+  std::string said;
+  try {
+    said = coupling::check(options);
+  } catch (const base::UserError& error) {
+    said = error.what();
+  }
+  fs::remove(file);
+  return said;
+}
+
+void expect_in(const std::string& text, const std::string& part) {
+  EXPECT_NE(text.find(part), std::string::npos) << "\"" << part << "\" is not in:\n" << text;
+}
+
+const std::string one_grain = R"(title = "one grain"
+[time]
+dem_fraction = 1.0
+[grains]
+material = { young_modulus = "70 GPa", poisson_ratio = 0.3, density = 2699 }
+friction = 0.0
+restitution = 0.5
+rotations = false
+[[grain]]
+position = [0, 0, 1]
+radius = 0.1
+[[stage]]
+name = "fall"
+duration = "1 s"
+)";
+
+TEST(Check, GrainsAloneStartNoFiniteElements) {
+  const std::string text = check_of(one_grain);
+  expect_in(text, "one grain\n");
+  expect_in(text, "grains: 1 listed, diameters 200.0 .. 200.0 mm\n");
+  expect_in(text, "rotations: off: no angular velocities\n");
+  expect_in(text, "friction: off\n");
+  expect_in(text, "rolling: off\n");
+  expect_in(text, "bodies: none: no PETSc\n");
+  expect_in(text, "coupling: none: no exchange\n");
+  expect_in(text, "stage fall: 1 s, measured from its start\n");
+  expect_in(text, "0 FEM steps\n");
+}
+
+TEST(Check, BodiesAloneStartNoGrains) {
+  const std::string mesh = std::string(TRACKBED_SOURCE_FOLDER) + "/meshes/box.geo";
+  const std::string text =
+      check_of("[[body]]\nname = \"beam\"\nmesh = \"" + mesh +
+               "\"\nmesh_parameters = { cells_x = 4, cells_y = 1, cells_z = 1 }\n"
+               "[[body.material]]\nyoung_modulus = \"45 GPa\"\npoisson_ratio = 0.167\ndensity = 2350\n"
+               "[[stage]]\nname = \"swing\"\nduration = 0.1\n");
+  expect_in(text, "grains: none: no neighbour search, no contact memory\n");
+  expect_in(text, "beam: 4 hex8 elements, 20 nodes, 310.2 kg, ");  // 2.4 x 0.25 x 0.22 m, 2350 kg/m3
+  expect_in(text, "no skin");
+  expect_in(text, "0 DEM steps");
+}
+
+TEST(Check, StepAboveTheLimitIsRefused) {
+  expect_in(check_of(one_grain, {{"time.dem_step", "1 s"}}), "time.dem_step = 1 s; must be at most the stable step ");
+  expect_in(check_of(one_grain, {{"time.dem_step", "1 s"}, {"time.force_step", "true"}}), "at most 1 s is used");
+}
+
+}  // namespace
