@@ -24,12 +24,10 @@ constexpr double absurd_pressure = 0.5e6;  // [Pa] mean under the plate
 constexpr double bedding_share = 0.25;     // of the plate's speed, at which a body is set down on the layer below
 constexpr double release_share = 0.1;      // of the plate's speed, at which the plate lets go of the grains
 constexpr double release_time = 0.05;      // [s]
-constexpr double strike_depth =
-    0.25;                            // of the median grain radius, below the plate's level; the plate presses the rest
-constexpr double plate_rest = 0.05;  // [s] for which the plate stays down
-constexpr double slope_earliest =
-    0.1;  // [s] least time for the cut slope: grains that lost their hold need it to start moving
-constexpr double slope_time = 0.3;  // [s] most time for it
+constexpr double strike_depth = 0.25;      // of the median grain radius, below the level that the plate presses to
+constexpr double plate_rest = 0.05;        // [s] for which the plate stays down
+constexpr double slope_earliest = 0.1;     // [s] that the cut slope gets at least: it takes time to start moving
+constexpr double slope_time = 0.3;         // [s] at most
 
 dem::SieveCurve sieve_curve(const Packing& packing) {
   dem::SieveCurve curve;
