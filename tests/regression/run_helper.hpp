@@ -44,13 +44,15 @@ inline std::string slurp(const fs::path& file) {
 inline Finished trackbed(const std::string& arguments, int ranks = 0) {
   const fs::path log = scratch() / "output.txt";
   const std::string launcher = ranks > 0 ? std::string(TRACKBED_MPIRUN) + " -n " + std::to_string(ranks) + " " : "";
-  const std::string command = "cd '" + scratch().string() + "' && " + launcher + TRACKBED_PROGRAM + " " + arguments +
-                              " > '" + log.string() + "' 2>&1";
+  const std::string command = "cd '" + scratch().string() + "' && " + launcher + "'" + TRACKBED_PROGRAM + "' " +
+                              arguments + " > '" + log.string() + "' 2>&1";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(log)};
 }
 
-inline std::string scene(const std::string& name) { return std::string(TRACKBED_SOURCE_FOLDER) + "/configs/" + name; }
+inline std::string scene(const std::string& name) {
+  return "'" + std::string(TRACKBED_SOURCE_FOLDER) + "/configs/" + name + "'";
+}
 
 inline nlohmann::json summary(const fs::path& run) { return nlohmann::json::parse(slurp(run / "summary.json")); }
 
