@@ -15,7 +15,6 @@
 
 #include <thrust/binary_search.h>
 #include <thrust/copy.h>
-#include <thrust/fill.h>
 #include <thrust/for_each.h>
 #include <thrust/functional.h>
 #include <thrust/iterator/counting_iterator.h>
@@ -99,17 +98,52 @@ std::size_t bytes_of(const Vector<T>& v) {
   return v.capacity() * sizeof(T);
 }
 
+template <class T>
+T first_of(const Vector<T>& v) {
+#if defined(TRACKBED_DEM_CUDA)
+  return v[0];
+#else
+  return *pointer(v);
+#endif
+}
+
+/// Loops up to this length run on the calling thread: starting a parallel loop takes longer than they do.
+constexpr int serial_length = 256;
+
 /// Calls functor(index) for 0 … n-1, in any order.
 template <class Functor>
 void launch(int n, Functor functor) {
+#if !defined(TRACKBED_DEM_CUDA)
+  if (n <= serial_length) {
+    for (int index = 0; index < n; ++index) functor(index);
+    return;
+  }
+#endif
   if (n > 0) thrust::for_each_n(policy(), thrust::counting_iterator<int>(0), n, functor);
 }
 
 /// Reduction of functor(index) with an operation that does not depend on the order (maximum, logical or, integer sum).
 template <class T, class Functor, class Operation>
 T reduce(int n, Functor functor, T start, Operation operation) {
+#if !defined(TRACKBED_DEM_CUDA)
+  if (n <= serial_length) {
+    for (int index = 0; index < n; ++index) start = operation(start, functor(index));
+    return start;
+  }
+#endif
   const thrust::counting_iterator<int> first(0);
   return n > 0 ? thrust::transform_reduce(policy(), first, first + n, functor, start, operation) : start;
+}
+
+template <class T>
+struct SetTo {
+  T* to;
+  T value;
+  TRACKBED_HD void operator()(int index) const { to[index] = value; }
+};
+template <class T>
+void clear(Vector<T>& v) {
+  launch(static_cast<int>(v.size()), SetTo<T>{pointer(v), T{}});
 }
 
 template <int N>

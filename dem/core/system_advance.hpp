@@ -11,8 +11,8 @@ inline void System::advance(int n, double dt) {
   [[maybe_unused]] const ThreadsFor threads(grains_.size());
   node_impulse_current_ = false;
   walls_.begin_advance();
-  thrust::fill(policy(), near_walls_.impulse.begin(), near_walls_.impulse.end(), Vec3{});
-  thrust::fill(policy(), near_walls_.nodal.begin(), near_walls_.nodal.end(), NodalImpulse{});
+  clear(near_walls_.impulse);
+  clear(near_walls_.nodal);
   last_dt_ = dt;
   prepare();
   for (int k = 1; k <= n; ++k) step(k, n, dt);
@@ -30,8 +30,7 @@ inline void System::prepare() {
   if (list_is_stale_) rebuild(0);
   if (forces_are_stale_) {
     evaluate(last_dt_, 0);
-    int trouble = 0;
-    thrust::copy_n(trouble_.begin(), 1, &trouble);
+    const int trouble = first_of(trouble_);
     if (trouble) stop_unstable(trouble, 0);
   }
   if (setup_.track_energy && !gravity_referenced_) {
@@ -145,8 +144,7 @@ inline void System::step(int k, int n, double dt) {
   const double moved = std::sqrt(squared), share = static_cast<double>(k) / n;
   if (2 * moved > skin_ || (walls_.any() && moved + walls_.shift(share) > skin_)) rebuild(share);
   evaluate(dt, dt);
-  int trouble = 0;
-  thrust::copy_n(trouble_.begin(), 1, &trouble);
+  const int trouble = first_of(trouble_);
   if (trouble) stop_unstable(trouble, k * dt);
 }
 

@@ -69,7 +69,7 @@ inline void System::flush_losses() {
   totals_.work_interface += e.work_interface;
   launch(static_cast<int>(pairs_.ledger.size()), ClearPairLosses{pointer(pairs_.ledger)});
   launch(static_cast<int>(near_walls_.ledger.size()), ClearWallLosses{pointer(near_walls_.ledger)});
-  thrust::fill(policy(), grains_.ledger.begin(), grains_.ledger.end(), GrainLedger{});
+  clear(grains_.ledger);
 }
 
 inline base::Energy System::energy() const {

@@ -140,7 +140,7 @@ class Walls {
       copy_range(position, from_position, w);
       copy_range(velocity, from_velocity, w);
     }
-    thrust::fill(policy(), node_impulse.begin(), node_impulse.end(), Vec3{});
+    clear(node_impulse);
   }
 
   /// Step k of n.
