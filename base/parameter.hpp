@@ -18,16 +18,16 @@
 namespace base {
 
 enum class Type {
-  real,     // a number with a unit
-  integer,  // a whole number
-  boolean,  // true or false
-  text,     // free, or one of `choices`
-  name,     // text of letters, digits, - and _
-  path,     // an existing file; relative to the file it is written in; checked value: absolute
-  vector,   // three numbers with a unit
-  reals,    // a list of numbers with a unit
-  texts,    // a list of texts
-  pairs,    // a list of pairs of numbers, the first with `unit`, the second plain
+  real,        // a number with a unit
+  integer,     // a whole number
+  boolean,     // true or false
+  text,        // free, or one of `choices`
+  name,        // text of letters, digits, - and _
+  path,        // an existing file; relative to the file it is written in; checked value: absolute
+  vector,      // three numbers with a unit
+  reals,       // a list of numbers with a unit
+  texts,       // a list of texts
+  pairs,       // a list of pairs of numbers, the first with `unit`, the second plain
   quantity,    // a number whose unit something else decides: see number_of()
   quantities,  // a list of them
   numbers,     // a table of free keys and numbers with a unit

@@ -22,7 +22,7 @@ namespace coupling {
 namespace {
 
 // Rough costs of one core, for the estimates only; tests/benchmarks measures them.
-constexpr double sphere_steps_per_second = 1.0e6, element_steps_per_second = 2.0e6;
+constexpr double sphere_steps_per_second = 2.0e6, element_steps_per_second = 8.0e6;
 constexpr double bytes_per_grain = 3000;  // state, candidate pairs, contact memory of a packed bed
 
 struct GrainEstimate {
@@ -109,16 +109,20 @@ std::string grains_text(const Setup& setup, const GrainEstimate& estimate) {
   return text;
 }
 
+/// "(0.3, 0, -1)", to the nanometre.
+std::string place(const Vec3& point) {
+  const auto rounded = [](double x) { return std::round(x * 1e9) / 1e9 + 0.0; };
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", rounded(point.x), rounded(point.y), rounded(point.z));
+}
+
 std::string bodies_text(const Setup& setup) {
   std::string text = "bodies:\n";
   for (const auto& body : setup.body_counts) {
     const auto& scene_body = *std::find_if(setup.scene.bodies.begin(), setup.scene.bodies.end(),
                                            [&](const auto& candidate) { return candidate.name == body.name; });
-    text += fmt::format(
-        "  {}: {} {} elements, {} nodes, {:.4g} kg, from ({:.3g}, {:.3g}, {:.3g}) to ({:.3g}, {:.3g}, {:.3g}) m, {}\n",
-        body.name, body.elements, scene_body.element, body.nodes, body.mass, body.lower.x, body.lower.y, body.lower.z,
-        body.upper.x, body.upper.y, body.upper.z,
-        scene_body.skin.empty() ? "no skin" : "skin " + base::join(scene_body.skin));
+    text += fmt::format("  {}: {} {} elements, {} nodes, {:.4g} kg, from {} to {} m, {}\n", body.name, body.elements,
+                        scene_body.element, body.nodes, body.mass, place(body.lower), place(body.upper),
+                        scene_body.skin.empty() ? "no skin" : "skin " + base::join(scene_body.skin));
   }
   return text;
 }

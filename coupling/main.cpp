@@ -5,9 +5,11 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -152,12 +154,19 @@ int main(int argc, char** argv) {
   list_command->footer("Example: trackbed list histories");
 
   try {
+    const std::vector<std::string> commands{"run", "check", "render", "list"};
+    const std::string first = argc > 1 ? argv[1] : "-";
+    if (first[0] != '-' && std::find(commands.begin(), commands.end(), first) == commands.end()) {
+      throw CLI::ParseError(fmt::format("no command \"{}\"; {}", first, base::suggest(first, commands, "commands")),
+                            CLI::ExitCodes::ExtrasError);
+    }
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    // Under mpirun every rank comes here, before MPI is up: the launcher's environment tells which one may speak.
-    const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
+    // Under mpirun all ranks come here; the launcher kills the others once one has left without MPI.
+    const bool launched = std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMI_SIZE");
     const bool wrong = error.get_exit_code() != 0;
-    if (!rank || std::string(rank) == "0") app.exit(error);
+    const auto session = launched ? std::make_unique<MpiSession>(argc, argv) : nullptr;
+    if (!session || session->rank == 0) app.exit(error);
     return wrong ? 2 : 0;
   }
   if (*run_command) return run(argc, argv, arguments);
