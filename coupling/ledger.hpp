@@ -21,6 +21,7 @@ class Ledger {
   double residual() const { return residual_; }            // [J] at the last add()
   double external_work() const { return work_; }           // [J] largest |loads| + |gravity| + |walls| so far
   double interface_mismatch() const { return mismatch_; }  // [J] sum of both sides' views at the last add()
+  double stored_at_start() const { return start_.grains.stored() + start_.bodies.stored(); }  // [J]
   /// Largest |residual| so far over the largest external work so far; over the energy at the start when no work was
   /// done.
   double relative_error() const;

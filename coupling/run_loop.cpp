@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "base/error.hpp"
 
@@ -158,6 +159,8 @@ bool RunLoop::step_window() {
   if (setup_.exchange) setup_.exchange->finish_window();
   time_ += setup_.window.length();
   ++windows_;
+  dem_steps_ += setup_.window.n_dem;
+  fem_steps_ += setup_.window.n_fem;
   return alive;
 }
 
@@ -165,7 +168,6 @@ void RunLoop::observe(bool picture) {
   const auto start = Clock::now();
   agree(setup_.roles->world, [&] { raise(failure_); });
   const auto sample = sampler_.sample(picture);
-  if (picture) watch_contact_step();
   agree(setup_.roles->world, [&] {
     if (measuring_) ledger_.add(sample.energy);
     if (picture && measuring_) write_picture();
@@ -180,14 +182,16 @@ void RunLoop::observe(bool picture) {
     for (std::size_t p = 0; p < sample.probes.size(); ++p) series_.columns[p].push_back(sample.probes[p]);
     guard_energy();
   });
+  obey_contacts();
   output_seconds_ += seconds_since(start);
 }
 
 /// A run that leaves its energy budget has become unstable, whatever its numbers look like.
 void RunLoop::guard_energy() {
-  constexpr double tolerance = 0.5;  // of the work done or the energy there was: far outside any honest error
+  constexpr double tolerance = 0.5;  // of the work done and the energy there was: far outside any honest error
   const auto& energy = ledger_.last();
-  const double budget = std::max(ledger_.external_work(), energy.grains.losses() + energy.bodies.losses());
+  const double budget =
+      ledger_.external_work() + energy.grains.losses() + energy.bodies.losses() + ledger_.stored_at_start();
   if (series_.time.size() < 10 || !(std::abs(ledger_.residual()) > tolerance * budget) || budget < 1e-12) return;
   std::string place;
   if (setup_.grains) {
@@ -207,20 +211,26 @@ void RunLoop::guard_energy() {
       ledger_.interface_mismatch(), place));
 }
 
-void RunLoop::watch_contact_step() {
-  if (!setup_.grains) return;
-  const auto limit = setup_.grains->contact_stable_step();
-  if (!(limit.limit > 0) || !std::isfinite(limit.limit)) return;
-  if (smallest_contact_step_ == 0 || limit.limit < smallest_contact_step_) {
-    if (setup_.window.dt_dem > limit.limit &&
-        (smallest_contact_step_ == 0 || setup_.window.dt_dem <= smallest_contact_step_))
-      spdlog::warn(
-          "t = {:.4g} s: the DEM step {:.3g} s is above the live contacts' bound {:.3g} s ({}); lower "
-          "time.dem_fraction if the energy error grows",
-          time_, setup_.window.dt_dem, limit.limit, limit.limiter);
-    smallest_contact_step_ = limit.limit;
-    summary_.coupling_limiter = fmt::format("{:.4g} s: {}", limit.limit, limit.limiter);
+/// The Rayleigh limit knows the grains, not how hard they are pressed: where the live contacts ask for a shorter step,
+/// the window is shortened for the rest of the stage.
+void RunLoop::obey_contacts() {
+  if (!setup_.scene.has_grains()) return;
+  constexpr double safety = 0.9;  // the bound is taken now and has to hold until the next sample
+  double bound = 0;
+  if (setup_.grains) {
+    const auto limit = setup_.grains->contact_stable_step();
+    bound = limit.limit;
+    if (bound > 0 && std::isfinite(bound) && (smallest_contact_step_ == 0 || bound < smallest_contact_step_)) {
+      smallest_contact_step_ = bound;
+      summary_.coupling_limiter = fmt::format("{:.4g} s: {}", bound, limit.limiter);
+    }
   }
+  if (setup_.roles->size > 1) MPI_Bcast(&bound, 1, MPI_DOUBLE, setup_.roles->dem_rank, setup_.roles->world);
+  if (!(bound > 0) || !std::isfinite(bound) || setup_.scene.time.force_step) return;
+  if (setup_.window.dt_dem <= safety * bound) return;
+  // A tenth more than needed, so that a slowly rising load does not shorten it at every sample.
+  setup_.choose_window(0.9 * safety * bound);
+  spdlog::info("t = {:.4g} s: DEM step shortened to {:.3g} s by the live contacts", time_, setup_.window.dt_dem);
 }
 
 void RunLoop::write_picture() {
@@ -235,27 +245,30 @@ void RunLoop::write_picture() {
 
 void RunLoop::run(std::optional<double> until) {
   const auto& output = setup_.scene.output;
-  const double w = setup_.window.length();
-  const auto windows_in = [&](double seconds) { return std::max<std::int64_t>(1, std::llround(seconds / w)); };
-  const std::int64_t probe_every = output.probe_interval > 0 ? windows_in(output.probe_interval) : 1;
   const auto start = Clock::now();
   FailureText stop;
   stop = caught([&] {
     for (const auto& stage : setup_.scene.stages) {
+      setup_.choose_window(std::numeric_limits<double>::infinity());
+      obey_contacts();
       begin(stage);
-      const auto count = static_cast<std::int64_t>(std::ceil(stage.duration / w - 1e-9));
-      const std::int64_t picture_every = output.interval > 0 ? windows_in(output.interval) : count;
-      for (std::int64_t window = 1; window <= count; ++window) {
-        if (stage.ramp_stiffness && window % 16 == 1)
-          ramp(static_cast<double>(window - 1) / static_cast<double>(count));
+      const double first = time_, end = first + stage.duration;
+      const double picture_interval = output.interval > 0 ? output.interval : stage.duration;
+      double next_probe = first + output.probe_interval, next_picture = first + picture_interval;
+      for (std::int64_t window = 0;; ++window) {
+        if (stage.ramp_stiffness && window % 16 == 0) ramp((time_ - first) / stage.duration);
         if (!step_window()) raise({Failure::internal, ""});
-        const bool enough = until && time_ >= *until;
-        const bool last = window == count || enough;
-        if (window % probe_every == 0 || window % picture_every == 0 || last)
-          observe(window % picture_every == 0 || last);
+        // An instant has come when the next window's middle would lie beyond it.
+        const double half = 0.5 * setup_.window.length();
+        const bool last = time_ + half >= end || (until && time_ >= *until);
+        const bool picture = last || time_ + half >= next_picture;
+        if (picture || time_ + half >= next_probe) observe(picture);
+        while (next_probe <= time_ + half && output.probe_interval > 0) next_probe += output.probe_interval;
+        while (next_picture <= time_ + half) next_picture += picture_interval;
         progress_.show(stage.name, time_, time_ / total_, static_cast<double>(windows_) / seconds_since(start),
                        ledger_.relative_error());
-        if (enough) return;
+        if (until && time_ >= *until) return;
+        if (last) break;
       }
       ++stage_;
     }
@@ -288,8 +301,8 @@ void RunLoop::close_summary() {
   summary_.backend = setup_.grains ? (setup_.backend == dem::Backend::cuda ? "cuda" : "omp") : "none";
   summary_.elements = elements;
   summary_.windows = windows_;
-  summary_.dem_steps = windows_ * w.n_dem;
-  summary_.fem_steps = windows_ * w.n_fem;
+  summary_.dem_steps = dem_steps_;
+  summary_.fem_steps = fem_steps_;
   summary_.dem_dt = w.dt_dem;
   summary_.fem_dt = w.dt_fem;
   summary_.dem_limiter = setup_.dem_limit.limiter;

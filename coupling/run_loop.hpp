@@ -37,7 +37,7 @@ class RunLoop {
   bool fem_end();
   void observe(bool picture);
   void guard_energy();
-  void watch_contact_step();
+  void obey_contacts();
   void write_picture();
   void close_summary();
 
@@ -56,7 +56,7 @@ class RunLoop {
   bool measuring_ = false;
   double smallest_contact_step_ = 0;
   double dem_seconds_ = 0, fem_seconds_ = 0, output_seconds_ = 0;
-  std::int64_t windows_ = 0;
+  std::int64_t windows_ = 0, dem_steps_ = 0, fem_steps_ = 0;
 };
 
 }  // namespace coupling

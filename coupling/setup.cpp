@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
@@ -43,7 +44,11 @@ Setup::Setup(MPI_Comm world, const RunOptions& options_) : options(options_) {
     if (roles->is_dem) choose_backend();
   });
   if (scene.has_bodies()) {
+    int length = static_cast<int>(fem_limit.limiter.size());
     MPI_Bcast(&fem_limit.limit, 1, MPI_DOUBLE, roles->first_fem_rank, world);
+    MPI_Bcast(&length, 1, MPI_INT, roles->first_fem_rank, world);
+    fem_limit.limiter.resize(static_cast<std::size_t>(length));
+    MPI_Bcast(fem_limit.limiter.data(), length, MPI_CHAR, roles->first_fem_rank, world);
   }
   if (roles->coupled) exchange = std::make_unique<Exchange>(*roles, bodies.get());
   if (exchange) skins = exchange->skins();
@@ -109,23 +114,30 @@ void Setup::place_grains(Summary& summary) {
     dem_limit = grains->stable_step();
     check_step("time.dem_step", scene, scene.time.dem_step, dem_limit.limit, dem_limit.limiter);
   });
-  choose_window();
+  if (scene.has_grains()) MPI_Bcast(&dem_limit.limit, 1, MPI_DOUBLE, roles->dem_rank, roles->world);
+  choose_window(std::numeric_limits<double>::infinity());
+  report_steps();
 }
 
-void Setup::choose_window() {
-  if (scene.has_grains()) MPI_Bcast(&dem_limit.limit, 1, MPI_DOUBLE, roles->dem_rank, roles->world);
+double Setup::wanted_dem_step() const {
+  return scene.time.dem_step.value_or(scene.time.dem_fraction * dem_limit.limit);
+}
+
+void Setup::choose_window(double longest) {
   std::optional<double> d, f;
-  if (scene.has_grains()) d = scene.time.dem_step.value_or(scene.time.dem_fraction * dem_limit.limit);
+  if (scene.has_grains()) d = std::min(wanted_dem_step(), longest);
   if (scene.has_bodies()) f = scene.time.fem_step.value_or(scene.time.fem_fraction * fem_limit.limit);
   window = coupling::choose_window(d, f);
   // Without a partner a side has nobody to wait for: many steps go into one call.
   if (!scene.has_bodies() && scene.output.probe_interval > 0)
     window.n_dem = std::max(1, static_cast<int>(scene.output.probe_interval / window.dt_dem));
+}
+
+void Setup::report_steps() const {
   if (scene.has_grains())
     spdlog::info("DEM step {:.3g} s (limit {:.3g} s: {})", window.dt_dem, dem_limit.limit, dem_limit.limiter);
   if (scene.has_bodies())
-    spdlog::info("FEM step {:.3g} s (limit {:.3g} s{})", window.dt_fem, fem_limit.limit,
-                 fem_limit.limiter.empty() ? "" : ": " + fem_limit.limiter);
+    spdlog::info("FEM step {:.3g} s (limit {:.3g} s: {})", window.dt_fem, fem_limit.limit, fem_limit.limiter);
   if (roles->coupled)
     spdlog::info("window {:.3g} s = {} DEM step{} = {} FEM step{}", window.length(), window.n_dem,
                  window.n_dem > 1 ? "s" : "", window.n_fem, window.n_fem > 1 ? "s" : "");

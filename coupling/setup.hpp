@@ -25,6 +25,11 @@ class Setup {
   /// Packs or places the grains, adds the walls, chooses the steps. Collective.
   void place_grains(Summary&);
 
+  /// Longest DEM step [s] wanted: the hand-set one, or the fraction of the Rayleigh limit.
+  double wanted_dem_step() const;
+  /// The window with no DEM step longer than `longest` [s]. The same on every rank if `longest` is.
+  void choose_window(double longest);
+
   Scene scene;
   RunOptions options;
   std::unique_ptr<Roles> roles;
@@ -45,7 +50,7 @@ class Setup {
  private:
   void choose_backend();
   void add_walls();
-  void choose_window();
+  void report_steps() const;
 };
 
 }  // namespace coupling
