@@ -59,6 +59,7 @@ double take(const std::string& how, std::span<const double> time, std::span<cons
 
 std::vector<Outcome> evaluate(const Scene& scene, const Series& series) {
   std::vector<Outcome> outcomes;
+  if (series.time.empty()) return outcomes;  // stopped before the measured stage
   for (const auto& result : scene.results) {
     const auto& values = series.columns[probe_index(scene, result.probe)];
     const auto& over = result.over.empty() ? values : series.columns[probe_index(scene, result.over)];

@@ -28,6 +28,7 @@ struct Outcome {
 double take(const std::string& how, std::span<const double> time, std::span<const double> values,
             std::span<const double> over);
 
+/// One outcome per result of the scene; none when nothing was sampled.
 std::vector<Outcome> evaluate(const Scene&, const Series&);
 
 /// The table shown at the end of a run.

@@ -55,6 +55,7 @@ class RunLoop {
   int stage_ = 0;
   bool measuring_ = false;
   double smallest_contact_step_ = 0;
+  int samples_since_bound_ = 0;
   double dem_seconds_ = 0, fem_seconds_ = 0, output_seconds_ = 0;
   std::int64_t windows_ = 0, dem_steps_ = 0, fem_steps_ = 0;
 };

@@ -51,7 +51,8 @@ fs::path run_until(const std::string& name, int ranks, int threads, double until
   const auto finished =
       trackbed("run " + scene("quick/one_sleeper.toml") + " --out " + out.string() + " --threads " +
                    std::to_string(threads) + " --set stage.passage.measure=false --set stage.stiffen.measure=true" +
-                   " --set output.interval=0 --until " + fmt::format("{:.17g}", until),
+                   " --set stage.stiffen.ramp_stiffness=false" + " --set output.interval=0 --until " +
+                   fmt::format("{:.17g}", until),
                ranks);
   EXPECT_EQ(finished.status, 0) << finished.output;
   return out;
