@@ -41,12 +41,18 @@ void raise(const FailureText& failure) {
 }
 
 double wait_politely(MPI_Request& request) {
+  // Within a window the answer comes in milliseconds and a sleeping rank would wake late: it only lets others go first.
+  // A wait that lasts longer is for somebody's packing or output.
+  constexpr std::chrono::milliseconds patience{5};
   const auto start = std::chrono::steady_clock::now();
   int done = 0;
   for (int tries = 0; !done; ++tries) {
     MPI_Test(&request, &done, MPI_STATUS_IGNORE);
-    // A short spin catches a message that is already under way; after that the core goes to whoever has work.
-    if (!done && tries > 200) std::this_thread::sleep_for(std::chrono::microseconds(20));
+    if (done || tries < 200) continue;
+    if (std::chrono::steady_clock::now() - start < patience)
+      std::this_thread::yield();
+    else
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }

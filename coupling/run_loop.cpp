@@ -131,7 +131,9 @@ bool RunLoop::fem_end() {
   auto& model = *setup_.bodies;
   const Window& w = setup_.window;
   if (w.n_fem == 1) failure_ = timed(fem_seconds_, [&] { model.inner_forces(); });
+  // The other side's message is taken in any case; nothing waits in the air when this side has failed.
   if (setup_.exchange && !setup_.exchange->receive_forces(model)) return false;
+  if (failure_.kind != Failure::none) return false;
   failure_ = timed(fem_seconds_, [&] {
     if (w.n_fem == 1) {
       model.correct(w.dt_fem);

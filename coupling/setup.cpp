@@ -17,11 +17,12 @@ namespace coupling {
 
 namespace {
 
-/// Threads for the grains: what the system gives this process, but not more than the grains can feed.
-int sensible_threads(int asked, std::size_t grains) {
+/// Threads for the grains: the cores this process may use, less those of the FEM ranks beside it, but not more than the
+/// grains can feed.
+int sensible_threads(int asked, std::size_t grains, int other_ranks) {
   if (asked > 0) return asked;
   const int useful = std::max<int>(1, static_cast<int>(grains / 2000));
-  return std::clamp(omp_get_max_threads(), 1, useful);
+  return std::clamp(omp_get_max_threads() - other_ranks, 1, useful);
 }
 
 std::size_t expected_grains(const GrainsScene& scene) { return scene.packing ? 20000 : scene.list.size(); }
@@ -64,7 +65,7 @@ void Setup::choose_backend() {
   backend = usable && options.backend != "omp" ? dem::Backend::cuda : dem::Backend::omp;
   if (dem::cuda_built() && !usable && options.backend == "auto")
     spdlog::info("no usable GPU ({}): grains run on the processor's cores", why_not);
-  threads = sensible_threads(options.threads, expected_grains(*scene.grains));
+  threads = sensible_threads(options.threads, expected_grains(*scene.grains), roles->size - 1);
   dem::set_threads(threads);
 }
 
@@ -90,7 +91,9 @@ void Setup::place_grains(Summary& summary) {
     std::vector<dem::Grain> list = part.list;
     if (part.packing) {
       PackingReport report;
+      dem::set_threads(sensible_threads(options.threads, expected_grains(part), 0));  // the other ranks wait
       const auto packed = pack(scene, skins, backend, report);
+      dem::set_threads(threads);
       list.insert(list.end(), packed.begin(), packed.end());
       summary.packed = true;
       summary.packing_wall = report.seconds;
