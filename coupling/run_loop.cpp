@@ -94,7 +94,7 @@ void RunLoop::zero() {
   agree(setup_.roles->world, [&] {
     if (setup_.grains) writer_ = std::make_unique<dem::Writer>(directory_, setup_.grains->grains());
   });
-  observe(true);
+  observe(true, false);
 }
 
 /// Geometric path of the grains' modulus from its packing to its loading value.
@@ -166,13 +166,13 @@ bool RunLoop::step_window() {
   return alive;
 }
 
-void RunLoop::observe(bool picture) {
+void RunLoop::observe(bool picture, bool final) {
   const auto start = Clock::now();
   agree(setup_.roles->world, [&] { raise(failure_); });
   const auto sample = sampler_.sample(picture);
   agree(setup_.roles->world, [&] {
     if (measuring_) ledger_.add(sample.energy);
-    if (picture && measuring_) write_picture();
+    if (picture && (measuring_ || final)) write_picture();
     if (!setup_.roles->is_root()) return;
     std::vector<double> row{time_, static_cast<double>(stage_)};
     row.insert(row.end(), sample.probes.begin(), sample.probes.end());
@@ -243,6 +243,7 @@ void RunLoop::write_picture() {
   const auto grains = setup_.grains->grains();
   const auto contacts = setup_.grains->grain_contacts();
   const auto wall_contacts = setup_.grains->wall_contacts();
+  if (!writer_) writer_ = std::make_unique<dem::Writer>(directory_, grains);  // stopped before the measured stage
   writer_->write(time_, grains, contacts, wall_contacts);
   if (setup_.scene.output.contacts) writer_->write_contacts(time_, contacts, wall_contacts);
 }
@@ -264,14 +265,15 @@ void RunLoop::run(std::optional<double> until) {
         if (!step_window()) raise({Failure::internal, ""});
         // An instant has come when the next window's middle would lie beyond it.
         const double half = 0.5 * setup_.window.length();
-        const bool last = time_ + half >= end || (until && time_ >= *until);
+        const bool enough = until && time_ >= *until;
+        const bool last = time_ + half >= end || enough;
         const bool picture = last || time_ + half >= next_picture;
-        if (picture || time_ + half >= next_probe) observe(picture);
+        if (picture || time_ + half >= next_probe) observe(picture, enough);
         while (next_probe <= time_ + half && output.probe_interval > 0) next_probe += output.probe_interval;
         while (next_picture <= time_ + half) next_picture += picture_interval;
         progress_.show(stage.name, time_, time_ / total_, static_cast<double>(windows_) / seconds_since(start),
                        ledger_.relative_error());
-        if (until && time_ >= *until) return;
+        if (enough) return;
         if (last) break;
       }
       ++stage_;

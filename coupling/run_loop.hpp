@@ -35,7 +35,7 @@ class RunLoop {
   bool fem_begin();
   bool dem_window();
   bool fem_end();
-  void observe(bool picture);
+  void observe(bool picture, bool final);  // final: the run stops here; its state is written in any case
   void guard_energy();
   void obey_contacts();
   void write_picture();

@@ -47,13 +47,10 @@ State last_state(const fs::path& run, double& mean_radius) {
 
 fs::path run_until(const std::string& name, int ranks, int threads, double until) {
   const fs::path out = scratch() / name;
-  // The first stage is the measured one here, so that its state is written.
-  const auto finished =
-      trackbed("run " + scene("quick/one_sleeper.toml") + " --out " + out.string() + " --threads " +
-                   std::to_string(threads) + " --set stage.passage.measure=false --set stage.stiffen.measure=true" +
-                   " --set stage.stiffen.ramp_stiffness=false" + " --set output.interval=0 --until " +
-                   fmt::format("{:.17g}", until),
-               ranks);
+  // A run that is stopped leaves its last state, also before the measured stage.
+  const auto finished = trackbed("run " + scene("quick/one_sleeper.toml") + " --out " + out.string() + " --threads " +
+                                     std::to_string(threads) + " --until " + fmt::format("{:.17g}", until),
+                                 ranks);
   EXPECT_EQ(finished.status, 0) << finished.output;
   return out;
 }
@@ -66,7 +63,7 @@ fs::path run_windows(const std::string& name, int ranks, int threads) {
     return json["time_simulated_s"].get<double>();
   }();
   const fs::path out = run_until(name, ranks, threads, 199.5 * window);
-  EXPECT_EQ(summary(out)["steps"]["windows"], 200);
+  EXPECT_GE(summary(out)["steps"]["windows"], 200);
   return out;
 }
 
