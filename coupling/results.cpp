@@ -26,6 +26,18 @@ double frequency(std::span<const double> time, std::span<const double> values) {
   return crossings > 1 ? (crossings - 1) / (last - first) : std::nan("");
 }
 
+/// Largest value before the series falls through its mid-range level for the first time.
+double first_peak(std::span<const double> values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const double level = (*low + *high) / 2;
+  double peak = values.front();
+  for (const double value : values) {
+    if (peak > level && value < level) break;
+    peak = std::max(peak, value);
+  }
+  return peak;
+}
+
 double largest_magnitude(std::span<const double> values) {
   double largest = 0;
   for (const double value : values) largest = std::max(largest, std::abs(value));
@@ -47,6 +59,7 @@ double take(const std::string& how, std::span<const double> time, std::span<cons
   if (how == "last") return values.back();
   if (how == "min") return *std::min_element(values.begin(), values.end());
   if (how == "max") return *std::max_element(values.begin(), values.end());
+  if (how == "first_peak") return first_peak(values);
   if (how == "rise") return *std::max_element(values.begin(), values.end()) - values.front();
   if (how == "max_abs") return largest_magnitude(values);
   if (how == "mean") return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());

@@ -22,9 +22,9 @@ struct Outcome {
   std::optional<bool> within;            // of the expected range
 };
 
-/// first | last | min | max | max_abs | mean | range | rise (max - first) | frequency | ratio of a probe's series.
-/// `frequency`: from the first to the last rising crossing of the mid-range level, crossings interpolated linearly
-/// [Hz].
+/// first | last | min | max | first_peak (before the first fall through mid-range) | max_abs | mean | range | rise (max
+/// - first) | frequency | ratio of a probe's series. `frequency`: from the first to the last rising crossing of the
+/// mid-range level, crossings interpolated linearly [Hz].
 double take(const std::string& how, std::span<const double> time, std::span<const double> values,
             std::span<const double> over);
 

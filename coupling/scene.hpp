@@ -128,8 +128,9 @@ struct Probe {
 struct Result {
   std::string name;
   std::string probe;
-  std::string take = "last";  // first | last | min | max | rise | max_abs | mean | range | frequency | ratio
-  std::string over;           // for ratio: max|probe| / max|over|
+  std::string take =
+      "last";        // first | last | min | max | first_peak | rise | max_abs | mean | range | frequency | ratio
+  std::string over;  // for ratio: max|probe| / max|over|
   double scale = 1;
   std::string unit;                                     // shown; the values here are SI
   std::optional<double> expected;                       // one value …

@@ -315,8 +315,11 @@ const Table& result_table() {
       "result",
       "a number drawn from a probe, over the time that is measured",
       {base::name("name", "in summary.json"), base::text("probe", "name of the probe"),
-       base::text("take", "rise: max - first; ratio: max|probe| / max|over|; frequency: of the swing about its middle")
-           .among({"first", "last", "min", "max", "rise", "max_abs", "mean", "range", "frequency", "ratio"})
+       base::text("take",
+                  "first_peak: before the first fall through mid-range; rise: max - first; ratio: max|probe| / "
+                  "max|over|; frequency: of the swing about its middle")
+           .among(
+               {"first", "last", "min", "max", "first_peak", "rise", "max_abs", "mean", "range", "frequency", "ratio"})
            .otherwise("last"),
        base::text("over", "probe to divide by, for ratio").optional("none"),
        base::real("scale", "", "factor on the value").otherwise(1.0),

@@ -45,6 +45,12 @@ TEST(Results, FrequencyOfAnOffsetWave) {
   EXPECT_NEAR(take("frequency", w.time, w.values, w.values), 27.21, 27.21e-5);
 }
 
+TEST(Results, FirstPeakIsNotTheLargest) {
+  // Two swings, the second one larger; "max" would give 3.
+  const std::vector<double> time{0, 1, 2, 3, 4, 5, 6}, values{0, 1.9, 2, 1.8, 0.1, 3, 0};
+  EXPECT_EQ(take("first_peak", time, values, values), 2);
+}
+
 TEST(Results, FrequencyNeedsTwoRisingCrossings) {
   const auto w = wave(0.0, 1.0, 10.0, 0.1, 100);
   EXPECT_TRUE(std::isnan(take("frequency", w.time, w.values, w.values)));
