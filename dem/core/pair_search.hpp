@@ -46,7 +46,7 @@ struct CountPairs {
 struct FillPairs {
   PairSearch search;
   const int *own_start, *other_start;
-  int *first, *second, *other;  // `other` gets the partner's index for now
+  int *first, *second, *other;  // `other` first gets the partner's index
   struct Visit {
     int g, *own, *others;
     int own_count, other_count;
