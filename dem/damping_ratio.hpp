@@ -1,6 +1,6 @@
 #pragma once
 // Damping ratio gamma that gives a Hertz contact the wanted normal restitution e, when contacts cannot pull
-// (kernels/contact_law.hpp: c_n = 2 gamma sqrt(m k_n), k_n = 2 E* a, F_n >= 0).
+// (kernels/hertz.hpp: c_n = 2 gamma sqrt(m k_n), k_n = 2 E* a, F_n >= 0).
 //
 // m x'' + c_n x' + 4/3 E* sqrt(R*) x^1.5 = 0 becomes linear in w = x^(5/4) with the clock d tau = x^(1/4) dt (units
 // with 4/3 E* sqrt(R*) / m = 1): dw/dtau = 5/4 v, dv/dtau = -(w + 2 gamma sqrt(3/2) v): an oscillator with the damping

@@ -60,6 +60,7 @@ struct Setup {
   double maximum_overlap = 0.3;           // overlap / smaller radius above which the run is declared unstable
   bool track_energy = true;               // false: no ledger, no memory and no work for it
   bool rotations = true;
+  int lanes = 0;  // OMP: pairs taken at once, 2 or 4; 1: one by one, as on a GPU; 0: what suits this machine
 };
 
 struct StableStep {

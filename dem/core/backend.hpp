@@ -9,7 +9,8 @@
 #else
 #include <omp.h>
 #include <thrust/system/omp/execution_policy.h>
-#include <thrust/system/omp/vector.h>
+
+#include <new>
 #define TRACKBED_DEM_SYSTEM omp_system
 #endif
 
@@ -47,8 +48,19 @@ struct ThreadsFor {
   explicit ThreadsFor(int) {}
 };
 #else
+/// Rows start on cache lines: malloc would put every second one across two.
 template <class T>
-using Vector = thrust::omp::vector<T>;
+struct OnCacheLines {
+  using value_type = T;
+  OnCacheLines() = default;
+  template <class U>
+  OnCacheLines(const OnCacheLines<U>&) {}
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64})); }
+  void deallocate(T* memory, std::size_t) { ::operator delete (memory, std::align_val_t{64}); }
+  bool operator==(const OnCacheLines&) const = default;
+};
+template <class T>
+using Vector = std::vector<T, OnCacheLines<T>>;
 inline auto policy() { return thrust::omp::par; }
 /// While it lives: one thread where a second would cost more than it brings (waking it takes longer than the loop).
 class ThreadsFor {

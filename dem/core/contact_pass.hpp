@@ -1,56 +1,88 @@
 #pragma once
-// Forces between grains: one call per candidate pair. Everything a pair leaves behind goes to its own rows, so the pass
-// needs no atomics and its result does not depend on the number of threads.
+// Forces between grains, one call per candidate pair: how a GPU does it. Everything a pair leaves behind goes to its
+// own rows, so the pass needs no atomics and its result does not depend on the number of threads. Processors use the
+// sweep (dem/sweep.hpp) instead; both call the same law.
 #include "dem/core/rows.hpp"
+#include "dem/kernels/touch.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
-struct ContactPass {
+/// What two spheres are to each other, apart from their law.
+struct Meeting {
+  kernels::Touch<double> touch;
+  double arm_i = 0, arm_j = 0;  // [m] from the centres to the contact point
+};
+
+struct PairGeometry {
   const Place* place;
-  const Translation* translation;
-  const Rotation* rotation;  // null: no rotation
+  Rows<const Quad> motion;  // velocities of this instant and masses
+
+  /// False when i and j are apart.
+  TRACKBED_HD bool meet(int i, int j, Meeting& m) const {
+    const Place a = place[i], b = place[j];
+    const Vec3 between = a.position - b.position;
+    const double reach = a.radius + b.radius, squared = norm2(between);
+    if (!(squared < reach * reach)) return false;
+    const double distance = std::sqrt(squared);
+    m.touch.overlap = reach - distance;
+    m.touch.normal = distance > 0 ? (1 / distance) * between : Vec3{0, 0, 1};
+    m.arm_i = a.radius - 0.5 * m.touch.overlap;
+    m.arm_j = b.radius - 0.5 * m.touch.overlap;
+    const Quad &ti = motion.translation(i), &tj = motion.translation(j);
+    m.touch.velocity = ti.vector - tj.vector;
+    if (motion.parts == 2)
+      m.touch.velocity -=
+          cross(m.arm_i * motion.rotation(i).vector + m.arm_j * motion.rotation(j).vector, m.touch.normal);
+    m.touch.effective_radius = a.radius * b.radius / reach;
+    m.touch.effective_mass = ti.number * tj.number / (ti.number + tj.number);
+    return true;
+  }
+};
+
+template <class Law>
+struct ContactPass {
+  PairGeometry geometry;
   const int *first, *second;
-  const Reduced* reduced;
   const int* pair;  // index into parameters; null: one material
   const kernels::PairParameters* parameters;
-  kernels::ContactHistory* history;  // null: no friction anywhere
+  double* history;  // history_stride numbers per pair
+  int history_stride;
   PairForce* result;
   ContactLedger* ledger;  // null: not tracked
   int* unstable;
   double maximum_overlap;  // share of the smaller radius
-  double dt;               // [s] of the step that ends now; 0: forces at the start
-  int number;              // of pairs
+  kernels::Interval time;
 
   TRACKBED_FLATTEN TRACKBED_HD void operator()(int c) const {
-    fetch_ahead(c + 8);
+    if (ledger)
+      press<true>(c);
+    else
+      press<false>(c);
+  }
+
+  template <bool Ledger>
+  TRACKBED_HD void press(int c) const {
     const int i = first[c], j = second[c];
-    const Place a = place[i], b = place[j];
-    const Vec3 between = a.position - b.position;
-    const double reach = a.radius + b.radius, squared = norm2(between);
-    if (!(squared < reach * reach)) {
-      if (result[c].half_overlap > 0) leave(c);
+    Meeting meeting;
+    if (!geometry.meet(i, j, meeting)) {
+      if (result[c].half_overlap > 0) leave<Ledger>(c);
       return;
     }
-    const double distance = std::sqrt(squared);
-    const double overlap = reach - distance;
-    const double smaller = a.radius < b.radius ? a.radius : b.radius;
-    if (overlap > maximum_overlap * smaller) *unstable = 1;
-    const Vec3 normal = distance > 0 ? (1 / distance) * between : Vec3{0, 0, 1};
-
-    kernels::ContactMotion motion;
-    motion.time_step = dt;
-    relative_motion(i, j, normal, a.radius - 0.5 * overlap, b.radius - 0.5 * overlap, motion);
+    const auto& touch = meeting.touch;
+    const double smaller = std::fmin(geometry.place[i].radius, geometry.place[j].radius);
+    if (touch.overlap > maximum_overlap * smaller) *unstable = 1;
     const kernels::PairParameters& material = parameters[pair ? pair[c] : 0];
-    const kernels::ContactGeometry geometry{overlap, reduced[c].radius, reduced[c].mass, normal};
-    kernels::ContactHistory none;
-    const auto contact = kernels::hertz_mindlin(material, geometry, motion, history ? history[c] : none);
+    double local[Law::history + 1] = {};
+    for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];
+    const auto contact = Law::template press<Ledger>(material, touch, time, local);
+    for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = local[k];
 
     PairForce& row = result[c];
     row.force = contact.force;
-    row.rolling = kernels::rolling_resistance_limit(material, geometry, contact.normal_force);
-    row.moment = cross(normal, contact.force);
-    row.half_overlap = 0.5 * overlap;
-    if (ledger) {
+    row.rolling = material.rolling_friction * touch.effective_radius * contact.normal_force;
+    row.moment = cross(touch.normal, contact.force);
+    row.half_overlap = 0.5 * touch.overlap;
+    if constexpr (Ledger) {
       ContactLedger& l = ledger[c];
       l.loss_friction += contact.loss_friction;
       l.loss_damping += contact.loss_damping;
@@ -59,45 +91,16 @@ struct ContactPass {
     }
   }
 
-  /// The partner's rows lie anywhere: a processor is told early which it will need; a GPU hides it with other threads.
-  TRACKBED_HD void fetch_ahead([[maybe_unused]] int c) const {
-#if !defined(__CUDACC__)
-    if (c >= number) return;
-    const int j = second[c];
-    __builtin_prefetch(place + j);
-    __builtin_prefetch(translation + j);
-    if (rotation) __builtin_prefetch(rotation + j);
-#endif
-  }
-
-  /// Of i relative to j at the contact point: the velocity at the end of the step (predicted from the last
-  /// acceleration) and the displacement over the step (of the half-step velocity).
-  TRACKBED_HD void relative_motion(int i, int j, const Vec3& normal, double arm_i, double arm_j,
-                                   kernels::ContactMotion& motion) const {
-    const Translation &ti = translation[i], &tj = translation[j];
-    Vec3 half = ti.velocity - tj.velocity;
-    Vec3 change = ti.acceleration - tj.acceleration;
-    if (rotation) {
-      const Rotation &ri = rotation[i], &rj = rotation[j];
-      half -= cross(arm_i * ri.velocity + arm_j * rj.velocity, normal);
-      change -= cross(arm_i * ri.acceleration + arm_j * rj.acceleration, normal);
-    }
-    motion.velocity = half + (0.5 * dt) * change;
-    motion.displacement = dt * half;
-  }
-
   /// The pair has come apart: its shear spring lets go of what it stored.
+  template <bool Ledger>
   TRACKBED_HD void leave(int c) const {
     result[c] = {};
-    if (ledger) {
-      if (history) {
-        const auto& h = history[c];
-        if (h.shear_stiffness > 0) ledger[c].loss_friction += norm2(h.shear_force) / (2 * h.shear_stiffness);
-      }
+    if constexpr (Ledger) {
+      ledger[c].loss_friction += history[c * history_stride + Law::history];
       ledger[c].elastic_normal = 0;
       ledger[c].elastic_shear = 0;
     }
-    if (history) history[c] = {};
+    for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = 0;
   }
 };
 

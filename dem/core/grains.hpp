@@ -13,38 +13,42 @@ struct Gather {
   const T* from;
   const int* order;
   T* to;
-  TRACKBED_HD void operator()(int k) const { to[k] = from[order[k]]; }
+  int parts;  // rows per grain
+  TRACKBED_HD void operator()(int k) const {
+    for (int part = 0; part < parts; ++part) to[parts * k + part] = from[parts * order[k] + part];
+  }
 };
 
 template <class T>
-void reorder(Vector<T>& v, const Vector<int>& order) {
+void reorder(Vector<T>& v, const Vector<int>& order, int parts = 1) {
   if (v.empty()) return;
-  Vector<T> sorted(order.size());
-  launch(static_cast<int>(order.size()), Gather<T>{pointer(v), pointer(order), pointer(sorted)});
+  Vector<T> sorted(parts * order.size());
+  launch(static_cast<int>(order.size()), Gather<T>{pointer(v), pointer(order), pointer(sorted), parts});
   v.swap(sorted);
 }
 
+/// Writes `host` behind the first `before` entries; what lay there is lost.
 template <class T>
-void append(Vector<T>& v, const std::vector<T>& host) {
-  const std::size_t before = v.size();
+void append(Vector<T>& v, const std::vector<T>& host, std::size_t before) {
   v.resize(before + host.size());
   thrust::copy(host.begin(), host.end(), v.begin() + before);
+}
+template <class T>
+void append(Vector<T>& v, const std::vector<T>& host) {
+  append(v, host, v.size());
 }
 
 struct SetMass {
   const Place* place;
   const int* material;
   const double* density;  // of the materials
-  Translation* translation;
-  Rotation* rotation;
+  Rows<Quad> state, motion;
   TRACKBED_HD void operator()(int g) const {
     const double r = place[g].radius;
     const double mass = density[material[g]] * (4.0 / 3.0) * std::numbers::pi * r * r * r;
-    translation[g].mass = mass;
-    translation[g].inverse_mass = 1 / mass;
-    if (!rotation) return;
-    rotation[g].inertia = 0.4 * mass * r * r;
-    rotation[g].inverse_inertia = 1 / rotation[g].inertia;
+    state.translation(g).number = 1 / mass;
+    motion.translation(g).number = mass;
+    if (state.parts == 2) state.rotation(g).number = 1 / (0.4 * mass * r * r);
   }
 };
 
@@ -61,46 +65,53 @@ struct JoinRadii {
   }
 };
 
+/// Rows of grains. `place`, `motion` and `pull` may end with spare rows that belong to no grain.
 struct Grains {
-  bool rotations = true;
+  int parts = 2;  // 1: nothing rotates
   Vector<Place> place;
-  Vector<Translation> translation;
-  Vector<Rotation> rotation;  // empty without rotations
-  Vector<Vec3> listed;        // positions at the last list build
+  Vector<Quad> state, motion, pull;  // see leapfrog.hpp
+  Vector<Vec3> listed;               // positions at the last list build
   Vector<int> material;
   Vector<std::int64_t> id;
   Vector<GrainLedger> ledger;  // empty while nothing needs it
   Vector<int> old_of_new;      // index under the numbering of the present contact lists, -1: not in them
 
-  int size() const { return static_cast<int>(place.size()); }
+  int size() const { return static_cast<int>(id.size()); }
+  Rows<Quad> states() { return {pointer(state), parts}; }
+  Rows<Quad> motions() { return {pointer(motion), parts}; }
+  Rows<Quad> pulls() { return {pointer(pull), parts}; }
+  Rows<const Quad> states() const { return {pointer(state), parts}; }
+  Rows<const Quad> motions() const { return {pointer(motion), parts}; }
 
   void add(std::span<const Grain> grains) {
     std::vector<Place> places;
-    std::vector<Translation> translations;
-    std::vector<Rotation> rotations_now;
+    std::vector<Quad> states;
     std::vector<int> materials;
     std::vector<std::int64_t> ids;
     for (const Grain& g : grains) {
       places.push_back({g.position, g.radius});
-      translations.push_back({.velocity = g.velocity});
-      rotations_now.push_back({.velocity = g.angular_velocity});
+      states.push_back({g.velocity, 0});
+      if (parts == 2) states.push_back({g.angular_velocity, 0});
       materials.push_back(g.material);
       ids.push_back(g.id);
     }
-    append(place, places);
-    append(translation, translations);
-    if (rotations) append(rotation, rotations_now);
+    const std::size_t before = id.size();
+    append(place, places, before);
+    append(state, states, parts * before);
+    append(motion, states, parts * before);
+    append(pull, std::vector<Quad>(states.size()), parts * before);
     append(material, materials);
     append(id, ids);
-    if (!ledger.empty()) ledger.resize(place.size());
+    if (!ledger.empty()) ledger.resize(id.size());
     append(old_of_new, std::vector<int>(grains.size(), -1));
   }
 
   /// New grain k is the present grain order[k]; grains that are not named are gone.
   void keep(const Vector<int>& order) {
     reorder(place, order);
-    reorder(translation, order);
-    reorder(rotation, order);
+    reorder(state, order, parts);
+    reorder(motion, order, parts);
+    reorder(pull, order, parts);
     reorder(material, order);
     reorder(id, order);
     reorder(ledger, order);
@@ -108,17 +119,33 @@ struct Grains {
   }
 
   void sort_by_bucket(const CellGrid& grid, Vector<int>& bucket) {
-    bucket.resize(place.size());
+    bucket.resize(size());
     launch(size(), BucketOf{grid, pointer(place), pointer(bucket)});
-    Vector<int> order(place.size());
+    Vector<int> order(size());
     thrust::sequence(policy(), order.begin(), order.end());
     thrust::stable_sort_by_key(policy(), bucket.begin(), bucket.end(), order.begin());
     keep(order);
   }
 
+  /// Rows past the grains that touch nothing.
+  void make_spare_rows(int rows) {
+    const std::size_t n = id.size();
+    append(place, std::vector<Place>(rows, {{}, -1}), n);
+    append(motion, std::vector<Quad>(parts * rows, {{}, 1}), parts * n);
+    append(pull, std::vector<Quad>(parts * rows), parts * n);
+  }
+
   std::size_t bytes() const {
-    return bytes_of(place) + bytes_of(translation) + bytes_of(rotation) + bytes_of(listed) + bytes_of(material) +
-           bytes_of(id) + bytes_of(ledger) + bytes_of(old_of_new);
+    return bytes_of(place) + bytes_of(state) + bytes_of(motion) + bytes_of(pull) + bytes_of(listed) +
+           bytes_of(material) + bytes_of(id) + bytes_of(ledger) + bytes_of(old_of_new);
+  }
+};
+
+struct CopyVelocities {
+  Rows<Quad> from, to;
+  TRACKBED_HD void operator()(int g) const {
+    to.translation(g).vector = from.translation(g).vector;
+    if (to.parts == 2) to.rotation(g).vector = from.rotation(g).vector;
   }
 };
 

@@ -46,20 +46,19 @@ struct SumGrainLosses {  // loss_rolling, loss_damping
   }
 };
 struct SumKinetic {
-  const Translation* translation;
-  const Rotation* rotation;
+  Rows<const Quad> state;
   TRACKBED_HD void operator()(int g, Sums<1>& s) const {
-    s.value[0] += 0.5 * translation[g].mass * norm2(translation[g].velocity);
-    if (rotation) s.value[0] += 0.5 * rotation[g].inertia * norm2(rotation[g].velocity);
+    s.value[0] += 0.5 * norm2(state.translation(g).vector) / state.translation(g).number;
+    if (state.parts == 2) s.value[0] += 0.5 * norm2(state.rotation(g).vector) / state.rotation(g).number;
   }
 };
 /// Work that a constant gravity could have done from the origin to here. Its change is gravity's work, exactly.
 struct SumGravity {
   const Place* place;
-  const Translation* translation;
+  Rows<const Quad> state;
   Vec3 gravity;
   TRACKBED_HD void operator()(int g, Sums<1>& s) const {
-    s.value[0] += translation[g].mass * dot(gravity, place[g].position);
+    s.value[0] += dot(gravity, place[g].position) / state.translation(g).number;
   }
 };
 

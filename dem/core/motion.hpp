@@ -1,31 +1,8 @@
 #pragma once
-// Velocity Verlet (Irazabal2017 3.44-3.53), first half and the moving walls.
-//   v_half = v + dt/2 a,  x += dt v_half      (rotation likewise, without an orientation: spheres)
+// How the nodes of walls move within a step.
 #include "dem/core/rows.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
-
-/// Also returns the squared displacement since the neighbour list was built, infinite when the state is not finite.
-struct FirstHalf {
-  Place* place;
-  Translation* translation;
-  Rotation* rotation;  // may be null
-  const Vec3* listed;  // positions at which the list was built
-  double dt;
-  TRACKBED_HD double operator()(int g) const {
-    Translation& t = translation[g];
-    t.velocity += (0.5 * dt) * t.acceleration;
-    place[g].position += dt * t.velocity;
-    const double squared = norm2(place[g].position - listed[g]);
-    bool finite = squared < 1e100;
-    if (rotation) {
-      Rotation& r = rotation[g];
-      r.velocity += (0.5 * dt) * r.acceleration;
-      finite = finite && norm2(r.velocity) < 1e200;
-    }
-    return finite ? squared : HUGE_VAL;
-  }
-};
 
 /// Node positions, velocities and displacement of the step for a mesh on its way to a target.
 struct MoveToTarget {

@@ -92,19 +92,17 @@ struct LinkOthers {
   }
 };
 
-/// Constants of a pair, and the history it had under the old list and numbering.
+/// The materials of a pair, and the history it had under the old list and numbering.
 struct CarryPairs {
   const int *first, *second;
-  const Translation* translation;
-  const Place* place;
   const int* material;
   int materials;
-  Reduced* reduced;
   int* pair;  // null: one material
   const int* old_of_new;
   const int *old_start, *old_second;  // null: there was no list
-  const kernels::ContactHistory* old_history;
-  kernels::ContactHistory* history;  // null: none kept
+  const double* old_history;
+  double* history;
+  int old_stride, stride, flips;  // numbers per pair; that change sign when i and j are exchanged
   const ContactLedger* old_ledger;
   ContactLedger* ledger;
   const PairForce* old_result;
@@ -112,11 +110,9 @@ struct CarryPairs {
 
   TRACKBED_HD void operator()(int c) const {
     const int i = first[c], j = second[c];
-    reduced[c].radius = place[i].radius * place[j].radius / (place[i].radius + place[j].radius);
-    reduced[c].mass = translation[i].mass * translation[j].mass / (translation[i].mass + translation[j].mass);
     if (pair) pair[c] = material[i] * materials + material[j];
     result[c] = {};
-    if (history) history[c] = {};
+    for (int k = 0; k < stride; ++k) history[c * stride + k] = 0;
     if (ledger) ledger[c] = {};
     const int a = old_of_new[i], b = old_of_new[j];
     if (!old_start || a < 0 || b < 0) return;
@@ -129,9 +125,9 @@ struct CarryPairs {
       ledger[c].elastic_normal = old_ledger[old].elastic_normal;
       ledger[c].elastic_shear = old_ledger[old].elastic_shear;
     }
-    if (history && old_history) {
-      history[c] = old_history[old];
-      if (a > b) history[c].shear_force = -history[c].shear_force;
+    for (int k = 0; k < stride && k < old_stride; ++k) {
+      const double kept = old_history[old * old_stride + k];
+      history[c * stride + k] = a > b && k < flips ? -kept : kept;
     }
   }
 };

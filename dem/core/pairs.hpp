@@ -9,22 +9,23 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 struct PairColumns {
   Vector<int> own_start, other_start, other;  // per grain
   Vector<int> first, second;                  // per pair
-  Vector<Reduced> reduced;
-  Vector<int> pair;                         // empty: one material
-  Vector<kernels::ContactHistory> history;  // empty: no friction
+  Vector<int> pair;                           // empty: one material
+  Vector<double> history;                     // history_stride numbers per pair
+  int history_stride = 0;
   Vector<PairForce> result;
   Vector<ContactLedger> ledger;  // empty: not tracked
 
   int size() const { return static_cast<int>(second.size()); }
   std::size_t bytes() const {
     return bytes_of(own_start) + bytes_of(other_start) + bytes_of(other) + bytes_of(first) + bytes_of(second) +
-           bytes_of(reduced) + bytes_of(pair) + bytes_of(history) + bytes_of(result) + bytes_of(ledger);
+           bytes_of(pair) + bytes_of(history) + bytes_of(result) + bytes_of(ledger);
   }
 };
 
 struct PairOptions {
   int materials = 1;
-  bool history = true;
+  int history = 4;  // numbers per pair
+  int flips = 3;    // the first so many change sign when i and j are exchanged
   bool ledger = true;
   double skin = 0;
 };
@@ -50,24 +51,24 @@ inline PairColumns build_pairs(const Grains& grains, const CellGrid& grid, const
   launch(n, FillPairs{search, own_start, other_start, pointer(list.first), pointer(list.second), pointer(list.other)});
   launch(n, LinkOthers{own_start, pointer(list.second), other_start, pointer(list.other)});
 
-  list.reduced.resize(pairs);
   list.result.resize(pairs);
   if (options.materials > 1) list.pair.resize(pairs);
-  if (options.history) list.history.resize(pairs);
+  list.history_stride = options.history;
+  list.history.resize(static_cast<std::size_t>(pairs) * options.history);
   if (options.ledger) list.ledger.resize(pairs);
   launch(pairs, CarryPairs{.first = pointer(list.first),
                            .second = pointer(list.second),
-                           .translation = pointer(grains.translation),
-                           .place = pointer(grains.place),
                            .material = pointer(grains.material),
                            .materials = options.materials,
-                           .reduced = pointer(list.reduced),
                            .pair = pointer(list.pair),
                            .old_of_new = pointer(grains.old_of_new),
                            .old_start = pointer(old.own_start),
                            .old_second = pointer(old.second),
                            .old_history = pointer(old.history),
                            .history = pointer(list.history),
+                           .old_stride = old.history_stride,
+                           .stride = list.history_stride,
+                           .flips = options.flips,
                            .old_ledger = pointer(old.ledger),
                            .ledger = pointer(list.ledger),
                            .old_result = pointer(old.result),

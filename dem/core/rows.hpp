@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "dem/core/backend.hpp"
-#include "dem/kernels/contact_law.hpp"
+#include "dem/kernels/pair_parameters.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -13,17 +13,18 @@ struct alignas(32) Place {
   Vec3 position{};    // [m]
   double radius = 0;  // [m]
 };
-struct alignas(64) Translation {
-  Vec3 velocity{};          // [m/s] at the instant between steps, at the half step within one
-  double mass = 0;          // [kg]
-  Vec3 acceleration{};      // [m/s2] at the last instant
-  double inverse_mass = 0;  // [1/kg]
+/// A vector with a number beside it. Where grains turn, two of them make the row of one grain (Rows<>): first for
+/// translation, then for rotation; otherwise the first alone.
+struct alignas(32) Quad {
+  Vec3 vector{};
+  double number = 0;
 };
-struct alignas(64) Rotation {
-  Vec3 velocity{};             // [rad/s]
-  double inertia = 0;          // [kg m2]
-  Vec3 acceleration{};         // [rad/s2]
-  double inverse_inertia = 0;  // [1/(kg m2)]
+template <class Row>
+struct Rows {
+  Row* row = nullptr;
+  int parts = 1;
+  TRACKBED_HD Row& translation(int g) const { return row[parts * g]; }
+  TRACKBED_HD Row& rotation(int g) const { return row[2 * g + 1]; }
 };
 struct GrainLedger {
   double loss_rolling = 0;  // [J]
@@ -31,10 +32,6 @@ struct GrainLedger {
 };
 
 // ---- pairs of grains
-struct Reduced {
-  double radius = 0;  // [m] R*
-  double mass = 0;    // [kg] m*
-};
 /// Force on i; j gets the opposite. Each grain's arm is -(radius - half_overlap) normal: both forces act at one point,
 /// so linear and angular momentum of the pair are kept to rounding.
 struct alignas(64) PairForce {
@@ -62,9 +59,8 @@ struct WallRow {
   int interface = 0;  // its work counts as interface work
   int nodal = 0;      // nodal impulses are kept
 };
-/// State of one (grain, facet) candidate; all zero while it carries no force.
+/// State of one (grain, facet) candidate; all zero while it carries no force. Its law's history lies beside it.
 struct WallState {
-  kernels::ContactHistory history;
   Vec3 force{};            // [N] on the grain
   double overlap = 0;      // [m]
   Vec3 normal{};           // towards the grain

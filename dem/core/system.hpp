@@ -2,10 +2,14 @@
 // The simulation on one Thrust system: what dem.hpp promises, put together from grains, pairs and walls.
 #include <string>
 
-#include "dem/core/gather_pass.hpp"
+#include "dem/core/leapfrog.hpp"
 #include "dem/core/ledger.hpp"
 #include "dem/core/pairs.hpp"
+#if !defined(TRACKBED_DEM_CUDA)
+#include "dem/core/sweep_lists.hpp"
+#endif
 #include "dem/dem.hpp"
+#include "dem/sweep.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -49,11 +53,17 @@ class System final : public Simulation {
   void mark_grains_changed();
   void require_wall(int wall) const;
   // system_advance.hpp
-  void prepare();
+  void prepare(double dt);
   void rebuild(double share);
   void adapt_skin();
-  void evaluate(double dt, double advance);
-  void step(int k, int n, double dt);
+  void relist(double moved, double share);
+  void evaluate(const kernels::Interval&, double ended);
+  void press_pairs(const kernels::Interval&);
+  template <class Law>
+  void press_walls(const kernels::Interval&, double ended);
+  double leap(const Phase&, double dt);
+  bool sweeps() const;
+  SweepChoice choice() const;
   [[noreturn]] void stop_unstable(int trouble, double dt) const;
   // system_measure.hpp
   void flush_losses();
@@ -61,6 +71,8 @@ class System final : public Simulation {
   void settle_gravity();
   double gravity_potential() const;
   base::Energy pending() const;
+  template <class Visit>
+  void each_contact(Visit&&) const;
 
   Setup setup_;
   Backend backend_;
@@ -74,12 +86,20 @@ class System final : public Simulation {
   Vector<kernels::PairParameters> grain_parameters_, wall_parameters_;
   std::vector<kernels::PairParameters> grain_parameters_host_, wall_parameters_host_;
   Vector<int> trouble_;
+#if !defined(TRACKBED_DEM_CUDA)
+  SweepLists sweep_lists_;
+#endif
+  Sweep sweep_ = nullptr;
+  SweepSums sweep_sums_;  // of the last step; its losses are booked
 
   bool list_is_stale_ = true, forces_are_stale_ = true;
-  double skin_ = 0, skin_share_ = 0.1;  // [m]; of the smallest radius
+  double skin_ = 0, skin_share_ = 0.1;     // [m]; of the smallest radius
+  double tight_ = 0, tight_share_ = 0.01;  // of the list that the step runs over; without a sweep the same as the skin
+  double travelled_ = 0;  // [m] bound of what any grain has moved from the skin list's build to the tight list's
   Radii radii_;
   double time_ = 0, last_dt_ = 0;
-  std::int64_t steps_ = 0, rebuilds_ = 0, last_rebuild_ = 0;
+  double last_ahead_ = 0;  // [s] that the histories are ahead of this instant
+  std::int64_t steps_ = 0, rebuilds_ = 0, last_rebuild_ = 0, last_tight_ = 0;
 
   base::Energy totals_;           // works and losses flushed so far
   double gravity_reference_ = 0;  // [J]

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "dem/core/system.hpp"
+#include "dem/kernels/hertz_mindlin.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -14,13 +15,23 @@ inline void System::advance(int n, double dt) {
   clear(near_walls_.impulse);
   clear(near_walls_.nodal);
   last_dt_ = dt;
-  prepare();
-  for (int k = 1; k <= n; ++k) step(k, n, dt);
+  prepare(dt);
+  for (int k = 1; k <= n; ++k) {
+    if (walls_.any()) walls_.move(k, n, dt);
+    const double squared = leap({.ends = k > 1, .ended = dt, .begins = true}, dt);
+    ++steps_;
+    if (!(squared < HUGE_VAL)) stop_unstable(0, k * dt);
+    relist(std::sqrt(squared), static_cast<double>(k) / n);
+    evaluate({0.5 * dt, 0.5 * dt}, dt);
+    const int trouble = first_of(trouble_);
+    if (trouble) stop_unstable(trouble, k * dt);
+  }
+  if (n > 0) leap({.ends = true, .ended = dt, .begins = false}, dt);
   time_ += n * dt;
 }
 
 /// Brings lists, masses and forces up to date after changes between steps.
-inline void System::prepare() {
+inline void System::prepare(double dt) {
   if (walls_.rows_changed) {
     flush_losses();
     walls_.upload_rows();
@@ -29,9 +40,12 @@ inline void System::prepare() {
   if (ledger && grains_.ledger.empty()) grains_.ledger.resize(grains_.size());
   if (list_is_stale_) rebuild(0);
   if (forces_are_stale_) {
-    evaluate(last_dt_, 0);
+    // The histories are half a step ahead: taken back to this instant, and ahead again for the step to come.
+    clear(grains_.pull);
+    evaluate({-last_ahead_, 0.5 * dt}, 0);
     const int trouble = first_of(trouble_);
     if (trouble) stop_unstable(trouble, 0);
+    leap({.ends = true, .ended = 0, .begins = false}, dt);
   }
   if (setup_.track_energy && !gravity_referenced_) {
     gravity_reference_ = gravity_potential();
@@ -44,7 +58,25 @@ inline void System::prepare() {
 inline void System::adapt_skin() {
   const std::int64_t interval = steps_ - last_rebuild_;
   if (interval < 30) skin_share_ = std::fmin(0.5, 1.3 * skin_share_);
-  if (interval > 300) skin_share_ = std::fmax(0.05, 0.8 * skin_share_);
+  if (interval > 300) skin_share_ = std::fmax(sweeps() ? 0.1 : 0.05, 0.8 * skin_share_);
+}
+
+/// New lists where grains have moved too far for the present ones: `moved` since the tight list was made.
+inline void System::relist(double moved, double share) {
+  const bool walls_stale = walls_.any() && travelled_ + moved + walls_.shift(share) > skin_;
+  if (2 * moved <= tight_ && !walls_stale) return;
+  const double total = travelled_ + moved;
+  if (!sweeps() || walls_stale || tight_ + 2 * total > skin_) return rebuild(share);
+#if !defined(TRACKBED_DEM_CUDA)
+  travelled_ = total;
+  const std::int64_t interval = steps_ - last_tight_;
+  if (interval < 20) tight_share_ = std::fmin(0.25 * skin_share_, 1.5 * tight_share_);
+  if (interval > 80) tight_share_ = std::fmax(0.002, 0.8 * tight_share_);
+  last_tight_ = steps_;
+  tight_ = std::fmin(tight_share_ * radii_.smallest, skin_ - 2 * total);
+  sweep_lists_.tighten(grains_, tight_, sweep_lists_.layout(), false);
+  launch(grains_.size(), CopyPositions{pointer(grains_.place), pointer(grains_.listed)});
+#endif
 }
 
 /// New lists for grains and walls where they are now, `share` of the way through the present advance().
@@ -62,97 +94,170 @@ inline void System::rebuild(double share) {
     Vector<int> bucket;
     grains_.sort_by_bucket(grid, bucket);
     const int materials = static_cast<int>(setup_.materials.size());
-    pairs_ = build_pairs(grains_, grid, bucket, pairs_, {materials, any_friction_, setup_.track_energy, skin_});
+    const int history = sweep_history(choice());
+    tight_ = skin_;
+#if !defined(TRACKBED_DEM_CUDA)
+    if (sweeps()) {
+      tight_ = std::fmin(tight_share_ * radii_.smallest, 0.5 * skin_);
+      Vector<int> bucket_start;
+      bucket_starts(bucket, grid.buckets(), bucket_start);
+      const int threads = omp_get_max_threads();
+      sweep_lists_.find_near({grid, pointer(bucket_start), pointer(grains_.place), skin_}, n, threads);
+      grains_.make_spare_rows(threads);
+      sweep_lists_.tighten(grains_, tight_, {setup_.lanes ? setup_.lanes : sweep_lanes(), history, 3, materials}, true);
+      sweep_ = find_sweep(choice(), sweep_lists_.layout().lanes);
+      last_tight_ = steps_;
+    }
+#endif
+    if (!sweeps())
+      pairs_ = build_pairs(grains_, grid, bucket, pairs_, {materials, history, 3, setup_.track_energy, skin_});
     if (walls_.any())
-      near_walls_ = build_walls(grains_, walls_, grid, near_walls_, {setup_.track_energy, skin_, radii_.largest});
+      near_walls_ =
+          build_walls(grains_, walls_, grid, near_walls_, {setup_.track_energy, history, skin_, radii_.largest});
     grains_.listed.resize(n);
     launch(n, CopyPositions{pointer(grains_.place), pointer(grains_.listed)});
     thrust::sequence(policy(), grains_.old_of_new.begin(), grains_.old_of_new.end());
   } else {
     pairs_ = {};
     near_walls_ = {};
+#if !defined(TRACKBED_DEM_CUDA)
+    sweep_lists_ = {};
+#endif
   }
+  travelled_ = 0;
   walls_.listed_here(share);
   list_is_stale_ = false;
   last_rebuild_ = steps_;
   ++rebuilds_;
 }
 
-/// Forces at the present positions; the step that ends now took `advance` (dt, or 0 for the forces at the start).
-inline void System::evaluate(double dt, double advance) {
-  launch(pairs_.size(), ContactPass{.place = pointer(grains_.place),
-                                    .translation = pointer(grains_.translation),
-                                    .rotation = pointer(grains_.rotation),
-                                    .first = pointer(pairs_.first),
-                                    .second = pointer(pairs_.second),
-                                    .reduced = pointer(pairs_.reduced),
-                                    .pair = pointer(pairs_.pair),
-                                    .parameters = pointer(grain_parameters_),
-                                    .history = pointer(pairs_.history),
-                                    .result = pointer(pairs_.result),
-                                    .ledger = pointer(pairs_.ledger),
-                                    .unstable = pointer(trouble_),
-                                    .maximum_overlap = setup_.maximum_overlap,
-                                    .dt = advance,
-                                    .number = pairs_.size()});
-  launch(near_walls_.near_grains(), WallPass{.geometry = walls_.geometry(),
-                                             .node_velocity = pointer(walls_.velocity),
-                                             .node_displacement = pointer(walls_.displacement),
-                                             .place = pointer(grains_.place),
-                                             .translation = pointer(grains_.translation),
-                                             .rotation = pointer(grains_.rotation),
-                                             .grain_material = pointer(grains_.material),
-                                             .parameters = pointer(wall_parameters_),
-                                             .materials = static_cast<int>(setup_.materials.size()),
-                                             .grain = pointer(near_walls_.grain),
-                                             .start = pointer(near_walls_.start),
-                                             .candidate = pointer(near_walls_.candidate),
-                                             .state = pointer(near_walls_.state),
-                                             .sum = pointer(near_walls_.sum),
-                                             .impulse = pointer(near_walls_.impulse),
-                                             .nodal = pointer(near_walls_.nodal),
-                                             .ledger = pointer(near_walls_.ledger),
-                                             .unstable = pointer(trouble_),
-                                             .maximum_overlap = setup_.maximum_overlap,
-                                             .dt = advance});
-  launch(grains_.size(), GatherPass{.place = pointer(grains_.place),
-                                    .translation = pointer(grains_.translation),
-                                    .rotation = pointer(grains_.rotation),
-                                    .own_start = pointer(pairs_.own_start),
-                                    .other_start = pointer(pairs_.other_start),
-                                    .other = pointer(pairs_.other),
-                                    .pair_force = pointer(pairs_.result),
-                                    .wall_slot = pointer(near_walls_.slot),
-                                    .wall_sum = pointer(near_walls_.sum),
-                                    .ledger = pointer(grains_.ledger),
-                                    .gravity = setup_.gravity,
-                                    .alpha = alpha_,
-                                    .rolling = any_rolling_,
-                                    .dt = dt,
-                                    .advance = advance});
+inline bool System::sweeps() const {
+#if defined(TRACKBED_DEM_CUDA)
+  return false;
+#else
+  return setup_.lanes != 1;
+#endif
 }
 
-inline void System::step(int k, int n, double dt) {
-  if (walls_.any()) walls_.move(k, n, dt);
-  const int number = grains_.size();
-  const double squared = reduce(number,
-                                FirstHalf{pointer(grains_.place), pointer(grains_.translation),
-                                          pointer(grains_.rotation), pointer(grains_.listed), dt},
-                                0.0, thrust::maximum<double>());
-  ++steps_;
-  if (!(squared < HUGE_VAL)) stop_unstable(0, k * dt);
-  const double moved = std::sqrt(squared), share = static_cast<double>(k) / n;
-  if (2 * moved > skin_ || (walls_.any() && moved + walls_.shift(share) > skin_)) rebuild(share);
-  evaluate(dt, dt);
-  const int trouble = first_of(trouble_);
-  if (trouble) stop_unstable(trouble, k * dt);
+inline SweepChoice System::choice() const {
+  return {.law = any_friction_ ? 0 : 1,
+          .ledger = setup_.track_energy,
+          .turns = setup_.rotations,
+          .rolls = any_rolling_ && setup_.rotations};
+}
+
+/// Forces at the present positions, added to grains_.pull or left with the pairs; the step that ends took `ended`.
+inline void System::evaluate(const kernels::Interval& time, double ended) {
+  press_pairs(time);
+  if (any_friction_)
+    press_walls<kernels::HertzMindlin>(time, ended);
+  else
+    press_walls<kernels::HertzSmooth>(time, ended);
+  last_ahead_ = time.ahead;
+}
+
+template <class Law>
+ContactPass<Law> contact_pass(const Grains& grains, PairColumns& pairs, const kernels::PairParameters* parameters,
+                              int* unstable, double maximum_overlap, const kernels::Interval& time) {
+  return {.geometry = {pointer(grains.place), grains.motions()},
+          .first = pointer(pairs.first),
+          .second = pointer(pairs.second),
+          .pair = pointer(pairs.pair),
+          .parameters = parameters,
+          .history = pointer(pairs.history),
+          .history_stride = pairs.history_stride,
+          .result = pointer(pairs.result),
+          .ledger = pointer(pairs.ledger),
+          .unstable = unstable,
+          .maximum_overlap = maximum_overlap,
+          .time = time};
+}
+
+inline void System::press_pairs(const kernels::Interval& time) {
+#if !defined(TRACKBED_DEM_CUDA)
+  if (sweeps()) {
+    if (grains_.size() == 0) return;
+    const SweepInput rows{.place = &pointer(grains_.place)->position.x,
+                          .motion = &pointer(grains_.motion)->vector.x,
+                          .pull = &pointer(grains_.pull)->vector.x,
+                          .first = nullptr,
+                          .second = nullptr,
+                          .to_first = nullptr,
+                          .to_second = nullptr,
+                          .history = nullptr,
+                          .blocks = 0,
+                          .parameters = nullptr,
+                          .time = time,
+                          .maximum_overlap = setup_.maximum_overlap};
+    sweep_sums_ = sweep_lists_.run(sweep_, rows, pointer(grain_parameters_));
+    totals_.loss_friction += sweep_sums_.loss_friction;
+    totals_.loss_contact_damping += sweep_sums_.loss_damping;
+    if (sweep_sums_.overlap_too_large) trouble_[0] = overlap_too_large;
+    return;
+  }
+#endif
+  const auto* parameters = pointer(grain_parameters_);
+  int* unstable = pointer(trouble_);
+  if (any_friction_)
+    launch(pairs_.size(),
+           contact_pass<kernels::HertzMindlin>(grains_, pairs_, parameters, unstable, setup_.maximum_overlap, time));
+  else
+    launch(pairs_.size(),
+           contact_pass<kernels::HertzSmooth>(grains_, pairs_, parameters, unstable, setup_.maximum_overlap, time));
+}
+
+template <class Law>
+void System::press_walls(const kernels::Interval& time, double ended) {
+  launch(near_walls_.near_grains(), WallPass<Law>{.geometry = walls_.geometry(),
+                                                  .node_velocity = pointer(walls_.velocity),
+                                                  .node_displacement = pointer(walls_.displacement),
+                                                  .place = pointer(grains_.place),
+                                                  .motion = std::as_const(grains_).motions(),
+                                                  .grain_material = pointer(grains_.material),
+                                                  .parameters = pointer(wall_parameters_),
+                                                  .materials = static_cast<int>(setup_.materials.size()),
+                                                  .grain = pointer(near_walls_.grain),
+                                                  .start = pointer(near_walls_.start),
+                                                  .candidate = pointer(near_walls_.candidate),
+                                                  .state = pointer(near_walls_.state),
+                                                  .history = pointer(near_walls_.history),
+                                                  .history_stride = near_walls_.history_stride,
+                                                  .sum = pointer(near_walls_.sum),
+                                                  .impulse = pointer(near_walls_.impulse),
+                                                  .nodal = pointer(near_walls_.nodal),
+                                                  .ledger = pointer(near_walls_.ledger),
+                                                  .unstable = pointer(trouble_),
+                                                  .maximum_overlap = setup_.maximum_overlap,
+                                                  .time = time,
+                                                  .dt = ended});
+}
+
+/// One pass of the integrator; returns the largest squared displacement since the list was made.
+inline double System::leap(const Phase& phase, double dt) {
+  const Integrator integrator{.place = pointer(grains_.place),
+                              .state = grains_.states(),
+                              .motion = grains_.motions(),
+                              .pull = grains_.pulls(),
+                              .wall_slot = pointer(near_walls_.slot),
+                              .wall_sum = pointer(near_walls_.sum),
+                              .ledger = pointer(grains_.ledger),
+                              .gravity = setup_.gravity,
+                              .alpha = alpha_,
+                              .rolling = any_rolling_,
+                              .dt = dt};
+  const Vec3* listed = pointer(grains_.listed);
+  const int n = grains_.size();
+  if (sweeps()) return reduce(n, Leapfrog<SummedForces>{integrator, {}, listed, phase}, 0.0, thrust::maximum<double>());
+  const GatheredForces forces{pointer(grains_.place), pointer(pairs_.own_start), pointer(pairs_.other_start),
+                              pointer(pairs_.other), pointer(pairs_.result)};
+  return reduce(n, Leapfrog<GatheredForces>{integrator, forces, listed, phase}, 0.0, thrust::maximum<double>());
 }
 
 /// Finds the grain to blame and says where it is. Called once, at the end of a run.
 inline void System::stop_unstable(int trouble, double dt) const {
   const auto place = download(grains_.place);
-  const auto translation = download(grains_.translation);
-  const auto rotation = download(grains_.rotation);
+  auto state = download(grains_.state);
+  const Rows<Quad> rows{state.data(), grains_.parts};
   const auto ids = download(grains_.id);
   int worst = 0;
   double measure = -1;
@@ -164,14 +269,10 @@ inline void System::stop_unstable(int trouble, double dt) const {
     std::snprintf(text, sizeof text, format, value);
   };
   if (trouble == overlap_too_large) {
-    const auto first = download(pairs_.first), second = download(pairs_.second);
-    const auto result = download(pairs_.result);
-    for (std::size_t c = 0; c < result.size(); ++c) {
-      const double smaller = std::fmin(place[first[c]].radius, place[second[c]].radius);
-      if (result[c].half_overlap > 0)
-        accuse(first[c], 2 * result[c].half_overlap / smaller,
-               "overlap with another grain is %.3g of the smaller radius");
-    }
+    each_contact([&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3&) {
+      const double smaller = std::fmin(place[i].radius, place[j].radius);
+      accuse(i, meeting.touch.overlap / smaller, "overlap with another grain is %.3g of the smaller radius");
+    });
     const auto grain = download(near_walls_.grain), start = download(near_walls_.start);
     const auto state = download(near_walls_.state);
     for (std::size_t w = 0; w < grain.size(); ++w)
@@ -183,17 +284,17 @@ inline void System::stop_unstable(int trouble, double dt) const {
     for (std::size_t w = 0; w < grain.size(); ++w)
       accuse(grain[w], start[w + 1] - start[w], "touches more wall facets at once than can be held (%.0f near it)");
   } else {
-    for (std::size_t g = 0; g < place.size(); ++g) {
-      const bool finite = norm2(place[g].position) < 1e100 && norm2(translation[g].velocity) < 1e200;
-      const bool turns = rotation.empty() || norm2(rotation[g].velocity) < 1e200;
+    for (int g = 0; g < grains_.size(); ++g) {
+      const bool finite = norm2(place[g].position) < 1e100 && norm2(rows.translation(g).vector) < 1e200;
+      const bool turns = rows.parts == 1 || norm2(rows.rotation(g).vector) < 1e200;
       if (!finite)
-        accuse(static_cast<int>(g), 2, "position or velocity is not finite");
+        accuse(g, 2, "position or velocity is not finite");
       else if (!turns)
-        accuse(static_cast<int>(g), 1, "angular velocity is not finite");
+        accuse(g, 1, "angular velocity is not finite");
     }
   }
-  const Vec3 p = place.empty() ? Vec3{} : place[worst].position;
-  const Vec3 v = place.empty() ? Vec3{} : translation[worst].velocity;
+  const Vec3 p = ids.empty() ? Vec3{} : place[worst].position;
+  const Vec3 v = ids.empty() ? Vec3{} : rows.translation(worst).vector;
   char message[500];
   std::snprintf(message, sizeof message,
                 "grain %lld: %s; at (%.6g, %.6g, %.6g) m, speed %.4g m/s, step %lld, t = %.6g s (dt = %.3g s)",

@@ -10,15 +10,15 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 inline std::vector<Grain> System::grains() const {
   const auto ids = download(grains_.id);
   const auto place = download(grains_.place);
-  const auto translation = download(grains_.translation);
-  const auto rotation = download(grains_.rotation);
+  auto state = download(grains_.state);
+  const Rows<Quad> rows{state.data(), grains_.parts};
   const auto material = download(grains_.material);
   std::vector<Grain> grains(ids.size());
   for (std::size_t g = 0; g < ids.size(); ++g)
     grains[g] = {.position = place[g].position,
                  .radius = place[g].radius,
-                 .velocity = translation[g].velocity,
-                 .angular_velocity = rotation.empty() ? Vec3{} : rotation[g].velocity,
+                 .velocity = rows.translation(static_cast<int>(g)).vector,
+                 .angular_velocity = rows.parts == 1 ? Vec3{} : rows.rotation(static_cast<int>(g)).vector,
                  .material = material[g],
                  .id = ids[g]};
   std::sort(grains.begin(), grains.end(), [](const Grain& a, const Grain& b) { return a.id < b.id; });
@@ -27,7 +27,7 @@ inline std::vector<Grain> System::grains() const {
 
 // ---- energy
 inline double System::gravity_potential() const {
-  const SumGravity sum{pointer(grains_.place), pointer(grains_.translation), setup_.gravity};
+  const SumGravity sum{pointer(grains_.place), grains_.states(), setup_.gravity};
   return ordered_sum<1>(grains_.size(), sum).value[0];
 }
 
@@ -49,8 +49,8 @@ inline base::Energy System::pending() const {
   const auto grains = ordered_sum<2>(static_cast<int>(grains_.ledger.size()), SumGrainLosses{pointer(grains_.ledger)});
   e.loss_friction = pairs.value[0] + walls.value[0];
   e.loss_contact_damping = pairs.value[1] + walls.value[1];
-  e.elastic_normal = pairs.value[2] + walls.value[2];
-  e.elastic_shear = pairs.value[3] + walls.value[3];
+  e.elastic_normal = pairs.value[2] + walls.value[2] + sweep_sums_.elastic_normal;
+  e.elastic_shear = pairs.value[3] + walls.value[3] + sweep_sums_.elastic_shear;
   e.work_walls = walls.value[4];
   e.work_interface = walls.value[5];
   e.loss_rolling = grains.value[0];
@@ -85,7 +85,7 @@ inline base::Energy System::energy() const {
   e.work_walls += p.work_walls;
   e.work_interface += p.work_interface;
   if (gravity_referenced_) e.work_gravity += gravity_potential() - gravity_reference_;
-  const SumKinetic kinetic{pointer(grains_.translation), pointer(grains_.rotation)};
+  const SumKinetic kinetic{grains_.states()};
   e.kinetic = ordered_sum<1>(grains_.size(), kinetic).value[0];
   return e;
 }
@@ -133,16 +133,47 @@ inline void System::nodal_impulse(int wall, std::span<Vec3> impulse) const {
 }
 
 // ---- contacts
-inline std::vector<GrainContact> System::grain_contacts() const {
+/// Calls visit(i, j, meeting, parameters, force on i) for every pair of grains that touches, on host copies. The
+/// histories are half a step ahead: taken back, the law gives the force of this instant again.
+template <class Visit>
+void System::each_contact(Visit&& visit) const {
+  const auto place = download(grains_.place);
+  const auto motion = download(grains_.motion);
+  const auto material = download(grains_.material);
+  const PairGeometry geometry{place.data(), {motion.data(), grains_.parts}};
+  const int materials = static_cast<int>(setup_.materials.size());
+  const auto look = [&](int i, int j, const double* kept, int numbers) {
+    Meeting meeting;
+    if (!geometry.meet(i, j, meeting)) return;
+    double history[kernels::HertzMindlin::history + 1] = {};
+    std::copy_n(kept, numbers, history);
+    const auto& parameters = grain_parameters_host_[material[i] * materials + material[j]];
+    const kernels::Interval back{-last_ahead_, 0};
+    const Vec3 force = any_friction_
+                           ? kernels::HertzMindlin::press<false>(parameters, meeting.touch, back, history).force
+                           : kernels::HertzSmooth::press<false>(parameters, meeting.touch, back, history).force;
+    visit(i, j, meeting, parameters, force);
+  };
+#if !defined(TRACKBED_DEM_CUDA)
+  if (sweeps()) {
+    const int numbers = sweep_lists_.layout().history;
+    sweep_lists_.each([&](int i, int j, const double* kept) { look(i, j, kept, numbers); });
+    return;
+  }
+#endif
   const auto first = download(pairs_.first), second = download(pairs_.second);
-  const auto result = download(pairs_.result);
+  const auto history = download(pairs_.history);
+  for (std::size_t c = 0; c < first.size(); ++c)
+    look(first[c], second[c], history.data() + c * pairs_.history_stride, pairs_.history_stride);
+}
+
+inline std::vector<GrainContact> System::grain_contacts() const {
   const auto place = download(grains_.place);
   const auto ids = download(grains_.id);
   std::vector<GrainContact> contacts;
-  for (std::size_t c = 0; c < result.size(); ++c)
-    if (result[c].half_overlap > 0)
-      contacts.push_back({ids[first[c]], ids[second[c]], place[first[c]].position, place[second[c]].position,
-                          result[c].force, 2 * result[c].half_overlap});
+  each_contact([&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3& force) {
+    contacts.push_back({ids[i], ids[j], place[i].position, place[j].position, force, meeting.touch.overlap});
+  });
   return contacts;
 }
 
@@ -168,14 +199,19 @@ inline std::vector<WallContact> System::wall_contacts() const {
 inline Counts System::counts() const {
   Counts counts;
   counts.grains = grains_.size();
-  counts.candidate_pairs = pairs_.size();
   counts.wall_candidates = near_walls_.size();
-  counts.contacts = reduce(pairs_.size(), CountPairContacts{pointer(pairs_.result)}, 0, thrust::plus<int>());
+  each_contact([&](int, int, const Meeting&, const kernels::PairParameters&, const Vec3&) { ++counts.contacts; });
+  counts.candidate_pairs = pairs_.size();
+  std::size_t list_bytes = pairs_.bytes();
+#if !defined(TRACKBED_DEM_CUDA)
+  counts.candidate_pairs += sweep_lists_.near_pairs();
+  list_bytes += sweep_lists_.bytes();
+#endif
   counts.wall_contacts =
       reduce(near_walls_.size(), CountWallContacts{pointer(near_walls_.state)}, 0, thrust::plus<int>());
   counts.rebuilds = rebuilds_;
   counts.steps = steps_;
-  counts.bytes = grains_.bytes() + pairs_.bytes() + walls_.bytes() + near_walls_.bytes();
+  counts.bytes = grains_.bytes() + list_bytes + walls_.bytes() + near_walls_.bytes();
   return counts;
 }
 
@@ -185,8 +221,8 @@ inline StableStep System::stable_step() const {
   const auto place = download(grains_.place);
   const auto material = download(grains_.material);
   const auto ids = download(grains_.id);
-  std::size_t limiter = 0;
-  for (std::size_t g = 0; g < place.size(); ++g) {
+  int limiter = 0;
+  for (int g = 0; g < grains_.size(); ++g) {
     const Material& m = setup_.materials[material[g]];
     const double shear_modulus = m.young_modulus / (2 * (1 + m.poisson_ratio));
     const double limit =
@@ -195,7 +231,7 @@ inline StableStep System::stable_step() const {
     step.limit = limit;
     limiter = g;
   }
-  if (place.empty()) return step;
+  if (ids.empty()) return step;
   char text[160];
   std::snprintf(text, sizeof text, "Rayleigh wave over grain %lld (radius %.4g mm, %s)",
                 static_cast<long long>(ids[limiter]), 1e3 * place[limiter].radius,
@@ -216,33 +252,26 @@ inline GrainSpring spring_of(const kernels::PairParameters& material, double rad
 
 inline StableStep System::contact_stable_step() const {
   const auto place = download(grains_.place);
-  const auto translation = download(grains_.translation);
+  const auto motion = download(grains_.motion);
+  const Rows<const Quad> motions{motion.data(), grains_.parts};
   const auto material = download(grains_.material);
   const auto ids = download(grains_.id);
   const int materials = static_cast<int>(setup_.materials.size());
   std::vector<GrainInertia> inertias;
-  for (std::size_t g = 0; g < place.size(); ++g) {
-    const double mass = translation[g].mass, r = place[g].radius;
+  for (int g = 0; g < grains_.size(); ++g) {
+    const double mass = motions.translation(g).number, r = place[g].radius;
     inertias.push_back({mass, setup_.rotations ? 0.4 * mass * r * r : 0, ids[g]});
   }
   std::vector<GrainSpring> springs;
-  const auto first = download(pairs_.first), second = download(pairs_.second);
-  const auto result = download(pairs_.result);
-  const auto reduced = download(pairs_.reduced);
-  for (std::size_t c = 0; c < result.size(); ++c) {
-    if (!(result[c].half_overlap > 0)) continue;
-    const int i = first[c], j = second[c];
-    const double overlap = 2 * result[c].half_overlap;
-    auto s = spring_of(grain_parameters_host_[material[i] * materials + material[j]], reduced[c].radius,
-                       reduced[c].mass, overlap);
-    const Vec3 between = place[i].position - place[j].position;
-    s.normal = (1 / norm(between)) * between;
+  each_contact([&](int i, int j, const Meeting& m, const kernels::PairParameters& parameters, const Vec3&) {
+    auto s = spring_of(parameters, m.touch.effective_radius, m.touch.effective_mass, m.touch.overlap);
+    s.normal = m.touch.normal;
     for (const int g : {i, j}) {
       s.grain = g;
-      s.arm = place[g].radius - result[c].half_overlap;
+      s.arm = g == i ? m.arm_i : m.arm_j;
       springs.push_back(s);
     }
-  }
+  });
   const auto grain = download(near_walls_.grain), start = download(near_walls_.start);
   const auto candidate = download(near_walls_.candidate);
   const auto state = download(near_walls_.state);
@@ -253,7 +282,7 @@ inline StableStep System::contact_stable_step() const {
       const int g = grain[w];
       const int wall_material = walls_.rows_host[facets[candidate[c]].wall].material;
       auto s = spring_of(wall_parameters_host_[material[g] * materials + wall_material], place[g].radius,
-                         translation[g].mass, state[c].overlap);
+                         motions.translation(g).number, state[c].overlap);
       s.grain = g;
       s.normal = state[c].normal;
       s.arm = place[g].radius - state[c].overlap;

@@ -13,7 +13,7 @@ inline System::System(const Setup& setup, Backend backend) : setup_(setup), back
   base::require_user(setup.interactions.size() == materials * materials,
                      "dem: interactions must be a square table, materials x materials");
   base::require_user(setup.skin >= 0 && setup.maximum_overlap > 0, "dem: skin and maximum overlap must be positive");
-  grains_.rotations = setup.rotations;
+  grains_.parts = setup.rotations ? 2 : 1;
   upload(std::vector<int>{0}, trouble_);
   upload_parameters();
 }
@@ -48,8 +48,8 @@ inline void System::upload_parameters() {
 }
 
 inline void System::set_masses() {
-  launch(grains_.size(), SetMass{pointer(grains_.place), pointer(grains_.material), pointer(density_),
-                                 pointer(grains_.translation), pointer(grains_.rotation)});
+  launch(grains_.size(), SetMass{pointer(grains_.place), pointer(grains_.material), pointer(density_), grains_.states(),
+                                 grains_.motions()});
 }
 
 inline void System::add_grains(std::span<const Grain> grains) {
@@ -88,18 +88,18 @@ inline void System::set_grains(std::span<const Grain> changed) {
   for (const Grain& g : changed) by_id[g.id] = &g;
   const auto ids = download(grains_.id);
   auto place = download(grains_.place);
-  auto translation = download(grains_.translation);
-  auto rotation = download(grains_.rotation);
+  auto state = download(grains_.state);
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const auto found = by_id.find(ids[k]);
     if (found == by_id.end()) continue;
     place[k].position = found->second->position;
-    translation[k].velocity = found->second->velocity;
-    if (!rotation.empty()) rotation[k].velocity = found->second->angular_velocity;
+    const Rows<Quad> rows{state.data(), grains_.parts};
+    rows.translation(static_cast<int>(k)).vector = found->second->velocity;
+    if (grains_.parts == 2) rows.rotation(static_cast<int>(k)).vector = found->second->angular_velocity;
   }
   upload(place, grains_.place);
-  upload(translation, grains_.translation);
-  upload(rotation, grains_.rotation);
+  upload(state, grains_.state);
+  launch(grains_.size(), CopyVelocities{grains_.states(), grains_.motions()});
   mark_grains_changed();
 }
 

@@ -11,6 +11,8 @@ struct WallColumns {
   Vector<WallSum> sum;
   Vector<int> candidate;  // facet
   Vector<WallState> state;
+  Vector<double> history;  // history_stride numbers per candidate
+  int history_stride = 0;
   Vector<Vec3> impulse;
   Vector<NodalImpulse> nodal;          // empty: no coupled mesh
   Vector<WallLedger> ledger;           // empty: not tracked
@@ -20,12 +22,14 @@ struct WallColumns {
   int near_grains() const { return static_cast<int>(grain.size()); }
   std::size_t bytes() const {
     return bytes_of(slot) + bytes_of(grain) + bytes_of(start) + bytes_of(sum) + bytes_of(candidate) + bytes_of(state) +
-           bytes_of(impulse) + bytes_of(nodal) + bytes_of(ledger) + bytes_of(node_start) + bytes_of(node_entry);
+           bytes_of(history) + bytes_of(impulse) + bytes_of(nodal) + bytes_of(ledger) + bytes_of(node_start) +
+           bytes_of(node_entry);
   }
 };
 
 struct WallOptions {
   bool ledger = true;
+  int history = 4;  // numbers per candidate
   double skin = 0;
   double largest_radius = 0;
 };
@@ -88,13 +92,16 @@ inline WallColumns build_walls(const Grains& grains, const Walls& walls, const C
   list.sum.resize(list.grain.size());
   list.candidate.resize(candidates);
   list.state.resize(candidates);
+  list.history_stride = options.history;
+  list.history.resize(static_cast<std::size_t>(candidates) * options.history);
   list.impulse.resize(candidates);
   if (options.ledger) list.ledger.resize(candidates);
   const bool had = !old.slot.empty();
   launch(list.near_grains(),
          FillWalls{search, pointer(list.grain), pointer(list.start), pointer(list.candidate), pointer(list.state),
                    pointer(grains.old_of_new), had ? pointer(old.slot) : nullptr, pointer(old.start),
-                   pointer(old.candidate), pointer(old.state)});
+                   pointer(old.candidate), pointer(old.state), pointer(old.history), pointer(list.history),
+                   old.history_stride, list.history_stride});
   if (walls.nodal()) {
     list.nodal.resize(candidates);
     link_nodes(walls, list);

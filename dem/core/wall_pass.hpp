@@ -7,6 +7,7 @@
 // hands it on: a new contact takes the history of a contact with the same wall that ended in this step, if the normals
 // differ by less than 60 degrees.
 #include "dem/core/rows.hpp"
+#include "dem/kernels/touch.hpp"
 #include "dem/kernels/wall_geometry.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
@@ -52,24 +53,27 @@ struct WallGeometry {
   }
 };
 
+template <class Law>
 struct WallPass {
   WallGeometry geometry;
   const Vec3 *node_velocity, *node_displacement;  // null: nothing moves
   const Place* place;
-  const Translation* translation;
-  const Rotation* rotation;  // null: no rotation
+  Rows<const Quad> motion;  // velocities of this instant and masses
   const int* grain_material;
   const kernels::PairParameters* parameters;  // grain material × wall material
   int materials;
   const int *grain, *start;  // grains with candidates, and their ranges
   const int* candidate;      // facets
   WallState* state;
+  double* history;  // history_stride numbers per candidate
+  int history_stride;
   WallSum* sum;
   Vec3* impulse;        // [N s] received by the grain, since the last flush
   NodalImpulse* nodal;  // null: no mesh is coupled
   WallLedger* ledger;   // null: not tracked
   int* unstable;
   double maximum_overlap;
+  kernels::Interval time;
   double dt;  // [s] of the step that ends now; 0: forces at the start
 
   struct Found {
@@ -82,10 +86,16 @@ struct WallPass {
 
   TRACKBED_HD void operator()(int w) const {
     const int g = grain[w];
+    if (start[w + 1] - start[w] == 1) {
+      WallSum total;
+      only_one(start[w], g, total);
+      sum[w] = total;
+      return;
+    }
     Found found;
     find(w, g, found);
     for (int m = 0; m < found.number; ++m)
-      if (found.keep[m] && !(state[found.candidate[m]].history.shear_stiffness > 0)) inherit(w, m, found);
+      if (found.keep[m] && !has_history(found.candidate[m])) inherit(w, m, found);
     WallSum total;
     int m = 0;
     for (int c = start[w]; c < start[w + 1]; ++c) {
@@ -96,6 +106,22 @@ struct WallPass {
         leave(c);
     }
     sum[w] = total;
+  }
+
+  /// Most grains near a wall have one candidate: no hierarchy, nothing to inherit.
+  TRACKBED_FLATTEN TRACKBED_HD void only_one(int c, int g, WallSum& total) const {
+    const Place p = place[g];
+    const auto contact = geometry.nearest(candidate[c], p.position, p.radius);
+    if (contact.feature != kernels::Feature::none)
+      press(c, g, p.position - contact.point, contact.weights, total);
+    else if (state[c].overlap > 0)
+      leave(c);
+  }
+
+  TRACKBED_HD bool has_history(int c) const {
+    for (int k = 0; k < history_stride; ++k)
+      if (history[c * history_stride + k] != 0) return true;
+    return false;
   }
 
   TRACKBED_HD void find(int w, int g, Found& found) const {
@@ -129,13 +155,15 @@ struct WallPass {
       bool kept = false;
       for (int k = 0; k < found.number; ++k) kept = kept || (found.keep[k] && found.candidate[k] == c);
       const double alike = dot(s.normal, normal);
-      if (kept || !(s.history.shear_stiffness > 0) || alike <= best) continue;
+      if (kept || alike <= best || !has_history(c)) continue;
       best = alike;
       donor = c;
     }
     if (donor < 0) return;
-    state[heir].history = state[donor].history;
-    state[donor].history = {};
+    for (int k = 0; k < history_stride; ++k) {
+      history[heir * history_stride + k] = history[donor * history_stride + k];
+      history[donor * history_stride + k] = 0;
+    }
   }
 
   TRACKBED_HD void press(int c, int g, const Vec3& vector, const double* weights, WallSum& total) const {
@@ -151,39 +179,37 @@ struct WallPass {
     Vec3 normal = plane ? wall.plane_normal : Vec3{0, 0, 1};
     if (length > 0) normal = (side / length) * vector;
 
-    kernels::ContactMotion motion;
-    motion.time_step = dt;
-    const Translation& t = translation[g];
-    Vec3 half = t.velocity, end = t.velocity + (0.5 * dt) * t.acceleration;
-    if (rotation) {
-      const Rotation& r = rotation[g];
-      half -= cross(r.velocity, vector);
-      end -= cross(r.velocity + (0.5 * dt) * r.acceleration, vector);
-    }
-    motion.velocity = end;
-    motion.displacement = dt * half;
+    kernels::Touch<double> touch;
+    touch.overlap = overlap;
+    touch.effective_radius = p.radius;
+    touch.effective_mass = motion.translation(g).number;
+    touch.normal = normal;
+    touch.velocity = motion.translation(g).vector;
+    if (motion.parts == 2) touch.velocity -= cross(motion.rotation(g).vector, vector);
     WallState& s = state[c];
     Vec3 wall_step;   // displacement of the contact point's material with the wall
     double work = 0;  // of the wall on the grain, with the force before
     if (wall.moves)
       for (int k = 0; k < 4 && facet.node[k] >= 0; ++k) {
         const Vec3 step = dt > 0 ? node_displacement[facet.node[k]] : Vec3{};
-        motion.velocity -= weights[k] * node_velocity[facet.node[k]];
+        touch.velocity -= weights[k] * node_velocity[facet.node[k]];
         wall_step += weights[k] * step;
         work += s.weights[k] * dot(s.force, step);
       }
-    motion.displacement -= wall_step;
 
     const auto& material = parameters[grain_material[g] * materials + wall.material];
-    const kernels::ContactGeometry contact_geometry{overlap, p.radius, t.mass, normal};
-    const auto contact = kernels::hertz_mindlin(material, contact_geometry, motion, s.history);
+    double local[Law::history + 1] = {};
+    for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];
+    const auto contact = ledger ? Law::template press<true>(material, touch, time, local)
+                                : Law::template press<false>(material, touch, time, local);
+    for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = local[k];
     s.force = contact.force;
     s.overlap = overlap;
     s.normal = normal;
     for (int k = 0; k < 4; ++k) s.weights[k] = weights[k];
     total.force += contact.force;
     total.torque -= cross(vector, contact.force);
-    total.rolling += kernels::rolling_resistance_limit(material, contact_geometry, contact.normal_force);
+    total.rolling += material.rolling_friction * p.radius * contact.normal_force;
 
     impulse[c] += dt * contact.force;
     if (nodal && wall.nodal)
@@ -202,8 +228,7 @@ struct WallPass {
     WallState& s = state[c];
     if (ledger) {
       WallLedger& l = ledger[c];
-      if (s.history.shear_stiffness > 0)
-        l.loss_friction += norm2(s.history.shear_force) / (2 * s.history.shear_stiffness);
+      l.loss_friction += history[c * history_stride + Law::history];
       l.elastic_normal = 0;
       l.elastic_shear = 0;
       const Facet& facet = geometry.facet[candidate[c]];
@@ -212,6 +237,7 @@ struct WallPass {
           l.work += 0.5 * s.weights[k] * dot(s.force, node_displacement[facet.node[k]]);
     }
     s = {};
+    for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = 0;
   }
 };
 

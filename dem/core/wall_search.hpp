@@ -126,6 +126,9 @@ struct FillWalls {
   const int* old_of_new;
   const int *old_slot, *old_start, *old_candidate;  // null: there was no list
   const WallState* old_state;
+  const double* old_history;
+  double* history;
+  int old_stride, stride;  // numbers per candidate
   struct Visit {
     int* list;
     int count;
@@ -143,7 +146,10 @@ struct FillWalls {
     for (int c = start[w]; c < start[w + 1]; ++c) {
       state[c] = {};
       for (int k = old < 0 ? 0 : old_start[old]; old >= 0 && k < old_start[old + 1]; ++k)
-        if (old_candidate[k] == candidate[c]) state[c] = old_state[k];
+        if (old_candidate[k] == candidate[c]) {
+          state[c] = old_state[k];
+          for (int n = 0; n < stride && n < old_stride; ++n) history[c * stride + n] = old_history[k * old_stride + n];
+        }
     }
   }
 };

@@ -32,7 +32,7 @@ struct RollingResistance {
 };
 
 /// Loss: -T_r . omega dt with omega at this instant, the mean of the half-step velocities before and after, which is
-/// what the trapezoid work of velocity Verlet sums to (see contact_law.hpp).
+/// what the trapezoid work of velocity Verlet sums to (see shear.hpp).
 TRACKBED_HD inline RollingResistance bounded_rolling_friction(const RollingState& state) {
   const Vec3 stop = -(state.inertia / state.time_step) * state.angular_velocity - state.contact_torque;
   const double needed = norm(stop);

@@ -1,0 +1,254 @@
+#pragma once
+// The pairs that the sweep (dem/sweep.hpp) runs over; OpenMP system only.
+//
+// Two lists. The skin list holds all pairs nearer than the skin and is made from the cell grid, rarely. The tight list
+// holds those of them nearer than a much thinner skin, so that nearly every pair that the step looks at does touch; it
+// is made from the skin list, with the histories, whenever grains have moved by half its skin.
+//
+// Grains are cut into ranges, one per thread. A range has every pair that one of its grains is in and adds forces to
+// its own grains only: no atomics, and the same bits for the same number of ranges. A pair across a border is in two
+// ranges, which compute the same; its energies count half in each.
+#include <algorithm>
+
+#include "dem/core/grains.hpp"
+#include "dem/core/pair_search.hpp"
+#include "dem/sweep.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+/// Pairs of one range and one pair of materials, inside the range or across its border.
+struct SweepPairs {
+  Vector<int> start;                // per grain of the range: its first pair
+  Vector<int> first, second;        // grains, first < second
+  Vector<int> to_first, to_second;  // border only: the same, or the spare row for a grain of another range
+  Vector<double> history;
+  int pairs = 0;
+
+  std::size_t bytes() const {
+    return bytes_of(start) + bytes_of(first) + bytes_of(second) + bytes_of(to_first) + bytes_of(to_second) +
+           bytes_of(history);
+  }
+};
+
+struct SweepRange {
+  int begin = 0, end = 0;
+  Vector<int> near_start, near;           // skin list: partners j > i, or j < begin
+  std::vector<SweepPairs> inner, border;  // per pair of materials
+
+  bool holds(int g) const { return g >= begin && g < end; }
+};
+
+/// What the rows of pairs look like.
+struct SweepLayout {
+  int lanes = 2;
+  int history = 4;  // numbers per pair
+  int flips = 3;    // the first so many change sign when i and j are exchanged
+  int materials = 1;
+};
+
+class SweepLists {
+ public:
+  const SweepLayout& layout() const { return layout_; }
+  std::vector<SweepRange>& ranges() { return ranges_; }
+  const std::vector<SweepRange>& ranges() const { return ranges_; }
+
+  /// Cuts the grains, sorted by bucket, into ranges and lists what is near.
+  void find_near(const PairSearch& search, int grains, int threads) {
+    old_ = std::move(ranges_);
+    ranges_.assign(std::max(1, threads), {});
+    const int number = static_cast<int>(ranges_.size());
+#pragma omp parallel for schedule(static, 1)
+    for (int t = 0; t < number; ++t) {
+      SweepRange& range = ranges_[t];
+      range.begin = static_cast<int>(static_cast<long long>(grains) * t / number);
+      range.end = static_cast<int>(static_cast<long long>(grains) * (t + 1) / number);
+      for (int i = range.begin; i < range.end; ++i) {
+        range.near_start.push_back(static_cast<int>(range.near.size()));
+        search.neighbours(i, [&](int j) {
+          if (j > i || j < range.begin) range.near.push_back(j);
+        });
+        std::sort(range.near.begin() + range.near_start.back(), range.near.end());
+      }
+      range.near_start.push_back(static_cast<int>(range.near.size()));
+    }
+  }
+
+  /// Lists the pairs nearer than `tight`, with the histories they had.
+  void tighten(const Grains& grains, double tight, const SweepLayout& layout, bool renumbered) {
+    if (!renumbered) {
+      old_.clear();
+      for (SweepRange& range : ranges_)
+        old_.push_back({.begin = range.begin,
+                        .end = range.end,
+                        .near_start = {},
+                        .near = {},
+                        .inner = std::move(range.inner),
+                        .border = std::move(range.border)});
+    }
+    const SweepLayout old_layout = layout_;
+    layout_ = layout;
+    const int number = static_cast<int>(ranges_.size());
+#pragma omp parallel for schedule(static, 1)
+    for (int t = 0; t < number; ++t) fill(ranges_[t], grains.size() + t, grains, tight, old_layout, renumbered);
+    old_.clear();
+  }
+
+  /// Adds the forces to `pull` and returns the sums over all pairs.
+  SweepSums run(Sweep sweep, const SweepInput& rows, const kernels::PairParameters* parameters) {
+    const int number = static_cast<int>(ranges_.size());
+    std::vector<SweepSums> sums(2 * number);
+#pragma omp parallel for schedule(static, 1)
+    for (int t = 0; t < number; ++t) {
+      for (bool border : {false, true}) {
+        auto& lists = border ? ranges_[t].border : ranges_[t].inner;
+        for (std::size_t k = 0; k < lists.size(); ++k) {
+          SweepPairs& list = lists[k];
+          if (list.pairs == 0) continue;
+          SweepInput input = rows;
+          input.first = pointer(list.first);
+          input.second = pointer(list.second);
+          input.to_first = border ? pointer(list.to_first) : input.first;
+          input.to_second = border ? pointer(list.to_second) : input.second;
+          input.history = pointer(list.history);
+          input.blocks = (list.pairs + layout_.lanes - 1) / layout_.lanes;
+          input.parameters = parameters + k;
+          sweep(input, sums[2 * t + border]);
+        }
+      }
+    }
+    SweepSums total;
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      const double share = k % 2 ? 0.5 : 1;
+      total.elastic_normal += share * sums[k].elastic_normal;
+      total.elastic_shear += share * sums[k].elastic_shear;
+      total.loss_friction += share * sums[k].loss_friction;
+      total.loss_damping += share * sums[k].loss_damping;
+      total.overlap_too_large = total.overlap_too_large || sums[k].overlap_too_large;
+    }
+    return total;
+  }
+
+  /// Calls visit(i, j, history) for every listed pair once.
+  template <class Visit>
+  void each(Visit&& visit) const {
+    double history[maximum_history];
+    for (const SweepRange& range : ranges_)
+      for (bool border : {false, true}) {
+        const auto& lists = border ? range.border : range.inner;
+        for (std::size_t k = 0; k < lists.size(); ++k)
+          for (int c = 0; c < lists[k].pairs; ++c) {
+            if (border && !range.holds(lists[k].first[c])) continue;
+            copy_history(lists[k], c, layout_, history);
+            visit(lists[k].first[c], lists[k].second[c], history);
+          }
+      }
+  }
+
+  std::int64_t near_pairs() const {
+    std::int64_t pairs = 0;
+    for (const SweepRange& range : ranges_)
+      for (int i = range.begin; i < range.end; ++i)
+        for (int k = range.near_start[i - range.begin]; k < range.near_start[i - range.begin + 1]; ++k)
+          pairs += range.near[k] > i;
+    return pairs;
+  }
+
+  std::size_t bytes() const {
+    std::size_t total = 0;
+    for (const SweepRange& range : ranges_) {
+      total += bytes_of(range.near_start) + bytes_of(range.near);
+      for (const auto* lists : {&range.inner, &range.border})
+        for (const SweepPairs& list : *lists) total += list.bytes();
+    }
+    return total;
+  }
+
+  static constexpr int maximum_history = 32;
+
+ private:
+  static void copy_history(const SweepPairs& list, int pair, const SweepLayout& layout, double* to) {
+    const double* block = list.history.data() +
+                          static_cast<std::size_t>(pair / layout.lanes) * layout.lanes * layout.history +
+                          pair % layout.lanes;
+    for (int k = 0; k < layout.history; ++k) to[k] = block[k * layout.lanes];
+  }
+
+  /// Copies the history of the old pair {a, b} to `to`; false when there was none.
+  bool find_old(int a, int b, int materials, const SweepLayout& layout, double* to) const {
+    if (a < 0 || b < 0) return false;
+    const int low = std::min(a, b), high = std::max(a, b);
+    for (const SweepRange& range : old_) {
+      if (!range.holds(low)) continue;
+      const auto& lists = range.holds(high) ? range.inner : range.border;
+      if (static_cast<int>(lists.size()) <= materials) return false;
+      const SweepPairs& list = lists[materials];
+      for (int c = list.start[low - range.begin]; c < list.start[low - range.begin + 1]; ++c)
+        if (list.first[c] == low && list.second[c] == high) {
+          copy_history(list, c, layout, to);
+          if (a > b)
+            for (int k = 0; k < layout.flips; ++k) to[k] = -to[k];
+          return true;
+        }
+      return false;
+    }
+    return false;
+  }
+
+  void fill(SweepRange& range, int spare, const Grains& grains, double tight, const SweepLayout& old_layout,
+            bool renumbered) const {
+    const int kinds = layout_.materials * layout_.materials, own = range.end - range.begin;
+    range.inner.assign(kinds, {});
+    range.border.assign(kinds, {});
+    for (auto* lists : {&range.inner, &range.border})
+      for (SweepPairs& list : *lists) list.start.resize(own + 1);
+    const Place* place = pointer(grains.place);
+    for (int i = range.begin; i < range.end; ++i) {
+      const Place p = place[i];
+      for (int k = range.near_start[i - range.begin]; k < range.near_start[i - range.begin + 1]; ++k) {
+        const int j = range.near[k];
+        const double reach = p.radius + place[j].radius + tight;
+        if (!(norm2(p.position - place[j].position) < reach * reach)) continue;
+        const bool border = !range.holds(j);
+        int a = grains.material[i], b = grains.material[j];
+        if (a > b) std::swap(a, b);
+        SweepPairs& list = (border ? range.border : range.inner)[a * layout_.materials + b];
+        list.first.push_back(std::min(i, j));
+        list.second.push_back(std::max(i, j));
+        if (border) {
+          list.to_first.push_back(i < j ? i : spare);
+          list.to_second.push_back(i < j ? spare : i);
+        }
+      }
+      for (auto* lists : {&range.inner, &range.border})
+        for (SweepPairs& list : *lists) list.start[i - range.begin + 1] = static_cast<int>(list.first.size());
+    }
+    for (int kind = 0; kind < kinds; ++kind)
+      for (SweepPairs* list : {&range.inner[kind], &range.border[kind]})
+        carry(*list, kind, spare, grains, old_layout, renumbered);
+  }
+
+  void carry(SweepPairs& list, int kind, int spare, const Grains& grains, const SweepLayout& old_layout,
+             bool renumbered) const {
+    list.pairs = static_cast<int>(list.first.size());
+    if (list.pairs == 0) return;
+    const int lanes = layout_.lanes, blocks = (list.pairs + lanes - 1) / lanes;
+    for (auto* rows : {&list.first, &list.second, &list.to_first, &list.to_second})
+      if (!rows->empty()) rows->resize((blocks + 5) * lanes, spare);  // the sweep reads ahead
+    list.history.resize(static_cast<std::size_t>(blocks) * lanes * layout_.history);
+    if (old_.empty()) return;
+    double kept[maximum_history];
+    const int numbers = std::min(layout_.history, old_layout.history);
+    for (int c = 0; c < list.pairs; ++c) {
+      const int a = renumbered ? grains.old_of_new[list.first[c]] : list.first[c];
+      const int b = renumbered ? grains.old_of_new[list.second[c]] : list.second[c];
+      if (!find_old(a, b, kind, old_layout, kept)) continue;
+      double* block = list.history.data() + static_cast<std::size_t>(c / lanes) * lanes * layout_.history + c % lanes;
+      for (int k = 0; k < numbers; ++k) block[k * lanes] = kept[k];
+    }
+  }
+
+  SweepLayout layout_;
+  std::vector<SweepRange> ranges_, old_;
+};
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -1,0 +1,26 @@
+#include "dem/sweep.hpp"
+
+#include "base/error.hpp"
+#include "dem/sweep_rows.hpp"
+
+namespace dem {
+
+int sweep_lanes() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? 4 : 2;
+#else
+  return 2;
+#endif
+}
+
+Sweep find_sweep(const SweepChoice& choice, int lanes) {
+  const Sweep found = lanes == 4 ? avx2_sweep(choice) : portable_sweep(choice);
+  base::require_internal(found != nullptr, "no sweep for this law and vector width");
+  return found;
+}
+
+int sweep_history(const SweepChoice& choice) {
+  return (choice.law == 0 ? kernels::HertzMindlin::history : kernels::HertzSmooth::history) + choice.ledger;
+}
+
+}  // namespace dem
