@@ -2,6 +2,7 @@
 
 #include <vtkMath.h>
 
+#include <array>
 #include <cmath>
 
 namespace dem {

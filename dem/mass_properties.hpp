@@ -1,7 +1,5 @@
 #pragma once
 // Volume, centroid and inertia of a body of uniform density, and its principal axes.
-#include <array>
-
 #include "base/vec3.hpp"
 #include "dem/kernels/rotation.hpp"
 
@@ -12,6 +10,25 @@ using base::Vec3;
 struct SymmetricTensor {
   double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 };
+
+/// t += factor (a b + b a) / 2.
+inline void add_product(SymmetricTensor& t, double factor, const Vec3& a, const Vec3& b) {
+  t.xx += factor * a.x * b.x;
+  t.yy += factor * a.y * b.y;
+  t.zz += factor * a.z * b.z;
+  t.xy += 0.5 * factor * (a.x * b.y + a.y * b.x);
+  t.xz += 0.5 * factor * (a.x * b.z + a.z * b.x);
+  t.yz += 0.5 * factor * (a.y * b.z + a.z * b.y);
+}
+/// t += factor other.
+inline void add(SymmetricTensor& t, double factor, const SymmetricTensor& other) {
+  t.xx += factor * other.xx;
+  t.yy += factor * other.yy;
+  t.zz += factor * other.zz;
+  t.xy += factor * other.xy;
+  t.xz += factor * other.xz;
+  t.yz += factor * other.yz;
+}
 
 /// Integrals over a body, from which the rest follows.
 struct VolumeMoments {

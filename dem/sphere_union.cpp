@@ -35,19 +35,6 @@ double dot(const SymmetricTensor& t, const Vec3& v, int row) {
   if (row == 1) return t.xy * v.x + t.yy * v.y + t.yz * v.z;
   return t.xz * v.x + t.yz * v.y + t.zz * v.z;
 }
-void add_symmetric(SymmetricTensor& t, double factor, const Vec3& a, const Vec3& b) {
-  t.xx += factor * a.x * b.x;
-  t.yy += factor * a.y * b.y;
-  t.zz += factor * a.z * b.z;
-  t.xy += 0.5 * factor * (a.x * b.y + a.y * b.x);
-  t.xz += 0.5 * factor * (a.x * b.z + a.z * b.x);
-  t.yz += 0.5 * factor * (a.y * b.z + a.z * b.y);
-}
-void add_unity(SymmetricTensor& t, double factor) {
-  t.xx += factor;
-  t.yy += factor;
-  t.zz += factor;
-}
 
 /// The circle around a cap: n = c axis + s (u cos phi + v sin phi).
 struct Circle {
@@ -155,23 +142,15 @@ ExposedMoments exposed_moments(const std::vector<Cap>& caps, const Vec3& centre)
         const Vec3 n = circle.c * circle.axis + circle.s * outward;
         const Vec3 nu = circle.s * circle.axis - circle.c * outward;
         m.first -= (0.5 * weight) * nu;
-        add_symmetric(n_nu, weight, n, nu);
-        add_symmetric(n_n_nu, weight * base::dot(centre, nu), n, n);
+        add_product(n_nu, weight, n, nu);
+        add_product(n_n_nu, weight * base::dot(centre, nu), n, n);
       }
     }
   }
-  add_unity(m.second, m.area / 3);
-  add_symmetric(m.contracted, 0.5, centre, m.first);
-  const auto subtract = [](SymmetricTensor& from, double factor, const SymmetricTensor& what) {
-    from.xx -= factor * what.xx;
-    from.yy -= factor * what.yy;
-    from.zz -= factor * what.zz;
-    from.xy -= factor * what.xy;
-    from.xz -= factor * what.xz;
-    from.yz -= factor * what.yz;
-  };
-  subtract(m.second, 1.0 / 3.0, n_nu);
-  subtract(m.contracted, 1.0 / 4.0, n_n_nu);
+  add(m.second, m.area / 3, {1, 1, 1, 0, 0, 0});
+  add(m.second, -1.0 / 3.0, n_nu);
+  add_product(m.contracted, 0.5, centre, m.first);
+  add(m.contracted, -1.0 / 4.0, n_n_nu);
   return m;
 }
 
@@ -212,16 +191,10 @@ MassProperties union_properties(std::span<const Sphere> spheres) {
     for (int a = 0; a < 3; ++a) turned[a] = dot(m.second, c, a) + r * m.first[a];
     total.volume += r * r / 3 * flux;
     total.first += (r * r / 4) * (flux * c + r * turned);
-    SymmetricTensor& second = total.second;
-    add_symmetric(second, r * r / 5 * flux, c, c);
-    add_symmetric(second, 2 * r * r * r / 5, c, turned);
-    const double r4 = r * r * r * r / 5;
-    second.xx += r4 * (m.contracted.xx + r * m.second.xx);
-    second.yy += r4 * (m.contracted.yy + r * m.second.yy);
-    second.zz += r4 * (m.contracted.zz + r * m.second.zz);
-    second.xy += r4 * (m.contracted.xy + r * m.second.xy);
-    second.xz += r4 * (m.contracted.xz + r * m.second.xz);
-    second.yz += r4 * (m.contracted.yz + r * m.second.yz);
+    add_product(total.second, r * r / 5 * flux, c, c);
+    add_product(total.second, 2 * r * r * r / 5, c, turned);
+    add(total.second, r * r * r * r / 5, m.contracted);
+    add(total.second, r * r * r * r * r / 5, m.second);
   }
   return mass_properties(total, origin);
 }
