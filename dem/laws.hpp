@@ -1,0 +1,107 @@
+#pragma once
+// The contact laws and rolling models that a scene can choose, one row each: what the program lists, checks and
+// dispatches from.
+//
+// To add a contact law:
+// 1. a header dem/kernels/<name>.hpp with a type that has `history` and `press` as kernels/touch.hpp says. Most laws
+//    fill a NormalForce and leave the rest to sheared() (viscoelastic.hpp is the shortest example). Numbers of its own
+//    that a contact keeps come before those of sheared(): hysteretic.hpp. New constants go into
+//    kernels/pair_parameters.hpp, what the host computes of them into law_parameters.hpp;
+// 2. a row in `laws` below;
+// 3. a row in tests/dem_law_rows.hpp: every test that all laws must pass then runs on it.
+// A rolling model likewise: kernels/rolling_models.hpp and a row in `rolling_models`.
+#include <array>
+#include <string_view>
+#include <tuple>
+
+#include "dem/kernels/hertz_mindlin.hpp"
+#include "dem/kernels/hysteretic.hpp"
+#include "dem/kernels/linear.hpp"
+#include "dem/kernels/parallel_bond.hpp"
+#include "dem/kernels/rolling_models.hpp"
+#include "dem/kernels/stress_friction.hpp"
+#include "dem/kernels/viscoelastic.hpp"
+#include "dem/kernels/voigt_slider.hpp"
+
+namespace dem {
+
+/// What a scene must state for the law, of the materials and of the pair; the rest is empty.
+using ParameterNames = std::array<std::string_view, 12>;
+
+/// Law: the type in dem/kernels; its `history` is the number of values that a contact keeps.
+template <class Law>
+struct LawRow {
+  using law = Law;
+  static constexpr int history = Law::history;
+  std::string_view name, text, source;
+  ParameterNames parameters;
+};
+
+inline constexpr std::tuple laws{
+    LawRow<kernels::HertzMindlin>{"hertz_mindlin",
+                                  "Hertz with a dashpot for the restitution, Mindlin no-slip shear, Coulomb friction",
+                                  "Irazabal2017 3.12-3.28",
+                                  {"young_modulus", "poisson_ratio", "restitution", "friction"}},
+    LawRow<kernels::StressFriction>{
+        "stress_friction",
+        "hertz_mindlin whose friction falls beyond a critical contact stress",
+        "Irazabal2017 6.3-6.6",
+        {"young_modulus", "poisson_ratio", "restitution", "friction", "critical_stress", "friction_exponent"}},
+    LawRow<kernels::Hysteretic>{"hysteretic",
+                                "Hertz with damping in proportion to force and speed (modes 0, 1, 2), Coulomb friction",
+                                "Talebiahooie2021 eqs. 8-16",
+                                {"young_modulus", "poisson_ratio", "restitution", "damping_mode", "friction"}},
+    LawRow<kernels::Viscoelastic>{"viscoelastic",
+                                  "Hertz of viscoelastic spheres (restitution falls with speed), Coulomb friction",
+                                  "Schwager2002 eq. 5, Li2021 eq. 1",
+                                  {"young_modulus", "poisson_ratio", "dissipative_coefficient", "friction"}},
+    LawRow<kernels::Linear>{"linear",
+                            "linear springs with a dashpot for the restitution (1: none), Coulomb friction",
+                            "Talebiahooie2021 eqs. 1-7",
+                            {"normal_stiffness", "shear_stiffness", "restitution", "friction"}},
+    LawRow<kernels::VoigtSlider>{
+        "voigt_slider",
+        "linear springs beside dashpots, with a frictional slider",
+        "Nishiura2017 section 4",
+        {"normal_stiffness", "shear_stiffness", "normal_viscosity", "shear_viscosity", "friction"}},
+    LawRow<kernels::ParallelBond>{
+        "parallel_bond",
+        "linear contact beside a bond of cement that breaks; pairs bonded at the start",
+        "Potyondy and Cundall 2004 section 2.2",
+        {"normal_stiffness", "shear_stiffness", "restitution", "friction", "bond_normal_stiffness",
+         "bond_shear_stiffness", "bond_tensile_strength", "bond_shear_strength", "bond_radius"}}};
+
+inline constexpr std::tuple rolling_models{
+    LawRow<kernels::NoRolling>{"none", "no rolling resistance", "", {}},
+    LawRow<kernels::RollingA>{"type_a",
+                              "constant moment against the turning of the pair",
+                              "Irazabal2017 5.1, Ai et al. 2011",
+                              {"rolling_friction"}},
+    LawRow<kernels::RollingC>{"type_c",
+                              "elastic-plastic spring and dashpot in the rolling angle",
+                              "Ai et al. 2011",
+                              {"rolling_friction", "rolling_damping"}},
+    LawRow<kernels::BoundedRolling>{"brof",
+                                    "braking of each grain, bounded by what stops it within a step",
+                                    "Irazabal2017 5.4-5.6",
+                                    {"rolling_friction"}}};
+
+/// True for laws that pull and need the turning of the pair: parallel_bond.hpp.
+template <class Law>
+concept Bonding = requires {
+  Law::bonds;
+};
+
+/// Calls visit(row) for every row of a table.
+template <class Table, class Visit>
+constexpr void for_each_law(const Table& table, Visit&& visit) {
+  std::apply([&](const auto&... row) { (visit(row), ...); }, table);
+}
+
+/// Calls visit(row) for the row with this name; false when there is none.
+template <class Table, class Visit>
+constexpr bool with_law(const Table& table, std::string_view name, Visit&& visit) {
+  return std::apply([&](const auto&... row) { return ((row.name == name && (visit(row), true)) || ...); }, table);
+}
+
+}  // namespace dem
