@@ -52,7 +52,7 @@ void add_spring(Matrix6& a, const GrainSpring& spring, const GrainInertia& grain
   const double mass_scale = 1 / std::sqrt(grain.mass);
   const double rotation_scale = grain.inertia > 0 ? 1 / std::sqrt(grain.inertia) : 0;
   for (int d = 0; d < 3; ++d) {
-    const Vec3 lever = cross(-spring.arm * n, directions[d]);
+    const Vec3 lever = cross(spring.lever, directions[d]);
     double p[6];
     for (int k = 0; k < 3; ++k) {
       p[k] = mass_scale * directions[d][k];

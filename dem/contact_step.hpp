@@ -19,13 +19,13 @@ namespace dem {
 struct GrainSpring {
   int grain = 0;                                     // index into the masses
   Vec3 normal;                                       // unit
-  double arm = 0;                                    // [m] from the grain's centre to the contact point
+  Vec3 lever;                                        // [m] from the grain's centre to the contact point
   double normal_stiffness = 0, shear_stiffness = 0;  // [N/m]
   double normal_damping = 0, shear_damping = 0;      // [N s/m]
   bool other_is_free = true;                         // a grain, not a wall
 };
 struct GrainInertia {
-  double mass = 0, inertia = 0;  // inertia 0: the grain does not rotate
+  double mass = 0, inertia = 0;  // [kg m2] smallest moment; 0: the grain does not rotate
   std::int64_t id = 0;
 };
 

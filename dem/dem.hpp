@@ -1,5 +1,6 @@
 #pragma once
-// Façade of the discrete element library: spherical grains, their contacts with each other and with walls.
+// Façade of the discrete element library: grains (spheres and clumps of spheres), their contacts with each other and
+// with walls.
 // Knows nothing of scene files, MPI or finite elements. All values SI. Host API; the state lives in the backend
 // (Thrust OMP or Thrust CUDA, one kernel source). Errors: base::UserError, base::UnstableError.
 #include <array>
@@ -12,6 +13,7 @@
 #include "base/energy.hpp"
 #include "base/skin.hpp"
 #include "base/vec3.hpp"
+#include "dem/clump.hpp"
 
 namespace dem {
 
@@ -39,12 +41,21 @@ struct Interaction {
 };
 
 struct Grain {
-  Vec3 position{};          // [m]
-  double radius = 0;        // [m]
-  Vec3 velocity{};          // [m/s]
-  Vec3 angular_velocity{};  // [rad/s]
-  int material = 0;         // index into Setup::materials
-  std::int64_t id = 0;      // kept for the grain's whole life; unique
+  Vec3 position{};                    // [m] centre of mass
+  double radius = 0;                  // [m] of a clump: its reach, from the centre of mass to the farthest point
+  Vec3 velocity{};                    // [m/s]
+  Vec3 angular_velocity{};            // [rad/s]
+  int material = 0;                   // index into Setup::materials
+  std::int64_t id = 0;                // kept for the grain's whole life; unique
+  int shape = -1;                     // as returned by add_shape(); -1: a sphere
+  kernels::Quaternion orientation{};  // body frame of the shape to space; of a clump only
+};
+
+/// One sphere of a grain; a grain that is no clump is its only sphere.
+struct GrainSphere {
+  Vec3 position{};      // [m]
+  double radius = 0;    // [m]
+  std::int64_t id = 0;  // of the grain
 };
 
 /// Infinite plane; grains live on the side the normal points to.
@@ -60,6 +71,7 @@ struct Setup {
   double maximum_overlap = 0.3;           // overlap / smaller radius above which the run is declared unstable
   bool track_energy = true;               // false: no ledger, no memory and no work for it
   bool rotations = true;
+  kernels::RotationScheme rotation_scheme = kernels::RotationScheme::quaternion;  // of clumps
   int lanes = 0;  // OMP: pairs taken at once, 2 or 4; 1: one by one, as on a GPU; 0: what suits this machine
 };
 
@@ -69,8 +81,8 @@ struct StableStep {
 };
 
 struct Counts {
-  std::int64_t grains = 0, contacts = 0, wall_contacts = 0, candidate_pairs = 0, wall_candidates = 0, rebuilds = 0,
-               steps = 0;
+  std::int64_t grains = 0, spheres = 0, contacts = 0, wall_contacts = 0, candidate_pairs = 0, wall_candidates = 0,
+               rebuilds = 0, steps = 0;
   std::size_t bytes = 0;  // memory held by the backend
 };
 
@@ -96,12 +108,17 @@ class Simulation {
   virtual ~Simulation() = default;
 
   // ---- grains
+  /// A shape that clumps may have, in any size; returns its number.
+  virtual int add_shape(const Clump&) = 0;
   virtual void add_grains(std::span<const Grain>) = 0;
   /// Removes the grains with these ids (unknown ids are ignored).
   virtual void remove_grains(std::span<const std::int64_t> ids) = 0;
   /// Host copy, sorted by id; velocities at the same instant as positions.
   virtual std::vector<Grain> grains() const = 0;
-  /// Overwrites position and velocities of the grains with these ids (histories of their contacts are kept).
+  /// Host copy, sorted by id.
+  virtual std::vector<GrainSphere> spheres() const = 0;
+  /// Overwrites position, velocities and orientation of the grains with these ids (histories of their contacts are
+  /// kept).
   virtual void set_grains(std::span<const Grain>) = 0;
   virtual void set_material(int material, const Material&) = 0;
   virtual void set_interaction(int a, int b, const Interaction&) = 0;

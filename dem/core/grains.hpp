@@ -46,8 +46,8 @@ struct SetMass {
   TRACKBED_HD void operator()(int g) const {
     const double r = place[g].radius;
     const double mass = density[material[g]] * (4.0 / 3.0) * std::numbers::pi * r * r * r;
-    state.translation(g).number = 1 / mass;
     motion.translation(g).number = mass;
+    state.translation(g).number = 1 / mass;
     if (state.parts == 2) state.rotation(g).number = 1 / (0.4 * mass * r * r);
   }
 };
@@ -67,7 +67,8 @@ struct JoinRadii {
 
 /// Rows of grains. `place`, `motion` and `pull` may end with spare rows that belong to no grain.
 struct Grains {
-  int parts = 2;  // 1: nothing rotates
+  bool own_state = true;  // false: bodies own it (bodies.hpp), and `state` and `pull`s between steps are theirs
+  int parts = 2;          // 1: nothing rotates
   Vector<Place> place;
   Vector<Quad> state, motion, pull;  // see leapfrog.hpp
   Vector<Vec3> listed;               // positions at the last list build
@@ -97,7 +98,7 @@ struct Grains {
     }
     const std::size_t before = id.size();
     append(place, places, before);
-    append(state, states, parts * before);
+    if (own_state) append(state, states, parts * before);
     append(motion, states, parts * before);
     append(pull, std::vector<Quad>(states.size()), parts * before);
     append(material, materials);

@@ -35,12 +35,7 @@ struct Integrator {
   /// Takes the forces at the end of a step (ended = dt; 0 for the forces at the start of a run): afterwards `state` has
   /// the velocities of the instant, and the accelerations are in `p`.
   TRACKBED_HD void end_step(int g, double ended, Pull& p) const {
-    if (wall_slot && wall_slot[g] >= 0) {
-      const WallSum& w = wall_sum[wall_slot[g]];
-      p.force += w.force;
-      p.torque += w.torque;
-      p.rolling += w.rolling;
-    }
+    add_walls(g, p);
     const double half = 0.5 * ended, hold = 1 / (1 + alpha * half);
     Quad& t = state.translation(g);
     const Vec3 free = t.number * p.force + gravity;
@@ -53,6 +48,14 @@ struct Integrator {
       ledger[g].loss_damping += lost.loss_damping;
       ledger[g].loss_rolling += lost.loss_rolling;
     }
+  }
+
+  TRACKBED_HD void add_walls(int g, Pull& p) const {
+    if (!wall_slot || wall_slot[g] < 0) return;
+    const WallSum& w = wall_sum[wall_slot[g]];
+    p.force += w.force;
+    p.torque += w.torque;
+    p.rolling += w.rolling;
   }
 
   TRACKBED_HD void turn(int g, double ended, double half, double hold, Pull& p, GrainLedger& lost) const {

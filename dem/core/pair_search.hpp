@@ -7,7 +7,9 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 
 struct PairSearch {
   CellGrid grid;
-  const int* bucket_start;  // grains are sorted by bucket
+  const int* bucket_start;
+  const int* entry;  // spheres by bucket; null: they are numbered so
+  const int* body;   // of each sphere; null: each is its own
   const Place* place;
   double skin;
 
@@ -20,9 +22,11 @@ struct PairSearch {
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
           const int b = grid.bucket(grid.wrap(cx + dx, 0), grid.wrap(cy + dy, 1), grid.wrap(cz + dz, 2));
-          for (int j = bucket_start[b]; j < bucket_start[b + 1]; ++j) {
+          for (int k = bucket_start[b]; k < bucket_start[b + 1]; ++k) {
+            const int j = entry ? entry[k] : k;
             const double reach = p.radius + place[j].radius + skin;
-            if (j != g && norm2(p.position - place[j].position) < reach * reach) visit(j);
+            if (body ? body[j] == body[g] : j == g) continue;
+            if (norm2(p.position - place[j].position) < reach * reach) visit(j);
           }
         }
   }

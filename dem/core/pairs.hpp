@@ -27,18 +27,13 @@ struct PairOptions {
   int history = 4;  // numbers per pair
   int flips = 3;    // the first so many change sign when i and j are exchanged
   bool ledger = true;
-  double skin = 0;
 };
 
 /// A new list for grains sorted by bucket; histories come from `old`, whose numbering grains.old_of_new refers to.
-inline PairColumns build_pairs(const Grains& grains, const CellGrid& grid, const Vector<int>& bucket,
-                               const PairColumns& old, const PairOptions& options) {
+inline PairColumns build_pairs(const Grains& grains, const PairSearch& search, const PairColumns& old,
+                               const PairOptions& options) {
   const int n = grains.size();
   PairColumns list;
-  Vector<int> bucket_start;
-  bucket_starts(bucket, grid.buckets(), bucket_start);
-  const PairSearch search{grid, pointer(bucket_start), pointer(grains.place), options.skin};
-
   list.own_start.resize(n);
   list.other_start.resize(n);
   launch(n, CountPairs{search, pointer(list.own_start), pointer(list.other_start)});

@@ -2,6 +2,7 @@
 // The simulation on one Thrust system: what dem.hpp promises, put together from grains, pairs and walls.
 #include <string>
 
+#include "dem/core/bodies.hpp"
 #include "dem/core/leapfrog.hpp"
 #include "dem/core/ledger.hpp"
 #include "dem/core/pairs.hpp"
@@ -17,9 +18,11 @@ class System final : public Simulation {
  public:
   System(const Setup&, Backend);
 
+  int add_shape(const Clump&) override;
   void add_grains(std::span<const Grain>) override;
   void remove_grains(std::span<const std::int64_t> ids) override;
   std::vector<Grain> grains() const override;
+  std::vector<GrainSphere> spheres() const override;
   void set_grains(std::span<const Grain>) override;
   void set_material(int material, const Material&) override;
   void set_interaction(int a, int b, const Interaction&) override;
@@ -52,6 +55,15 @@ class System final : public Simulation {
   void set_masses();
   void mark_grains_changed();
   void require_wall(int wall) const;
+  // system_bodies.hpp
+  void make_bodies();
+  void add_bodies(std::span<const Grain>);
+  void set_body_masses();
+  std::vector<Grain> body_grains() const;
+  void set_bodies(std::span<const Grain>);
+  void carry_spheres();
+  template <class Forces>
+  double leap_bodies(const Integrator&, const Forces&, const Phase&);
   // system_advance.hpp
   void prepare(double dt);
   void rebuild(double share);
@@ -62,6 +74,7 @@ class System final : public Simulation {
   template <class Law>
   void press_walls(const kernels::Interval&, double ended);
   double leap(const Phase&, double dt);
+  PairSearch sort(const CellGrid&, Vector<int>& bucket, Vector<int>& bucket_start);
   bool sweeps() const;
   SweepChoice choice() const;
   [[noreturn]] void stop_unstable(int trouble, double dt) const;
@@ -78,7 +91,9 @@ class System final : public Simulation {
   Backend backend_;
   double alpha_ = 0;  // [1/s] artificial damping
   bool any_friction_ = false, any_rolling_ = false;
-  Grains grains_;
+  Grains grains_;  // spheres
+  Bodies bodies_;  // of clumps; empty without them
+  std::vector<Clump> shapes_;
   PairColumns pairs_;
   Walls walls_;
   WallColumns near_walls_;

@@ -2,7 +2,7 @@
 // The step: first half, list check, forces, second half.
 #include <cstdio>
 
-#include "dem/core/system.hpp"
+#include "dem/core/system_bodies.hpp"
 #include "dem/kernels/hertz_mindlin.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
@@ -37,7 +37,7 @@ inline void System::prepare(double dt) {
     walls_.upload_rows();
   }
   const bool ledger = setup_.track_energy && (alpha_ > 0 || (any_rolling_ && setup_.rotations));
-  if (ledger && grains_.ledger.empty()) grains_.ledger.resize(grains_.size());
+  if (ledger && grains_.ledger.empty()) grains_.ledger.resize(bodies_.any() ? bodies_.size() : grains_.size());
   if (list_is_stale_) rebuild(0);
   if (forces_are_stale_) {
     // The histories are half a step ahead: taken back to this instant, and ahead again for the step to come.
@@ -91,26 +91,23 @@ inline void System::rebuild(double share) {
     skin_ = setup_.skin > 0 ? setup_.skin : skin_share_ * radii_.smallest;
     const Box box = reduce(n, BoxOf{place}, Box{}, JoinBoxes{});
     const CellGrid grid = make_grid(box, 2 * radii_.largest + skin_, n);
-    Vector<int> bucket;
-    grains_.sort_by_bucket(grid, bucket);
+    Vector<int> bucket, bucket_start;
+    const PairSearch search = sort(grid, bucket, bucket_start);
     const int materials = static_cast<int>(setup_.materials.size());
     const int history = sweep_history(choice());
     tight_ = skin_;
 #if !defined(TRACKBED_DEM_CUDA)
     if (sweeps()) {
       tight_ = std::fmin(tight_share_ * radii_.smallest, 0.5 * skin_);
-      Vector<int> bucket_start;
-      bucket_starts(bucket, grid.buckets(), bucket_start);
       const int threads = omp_get_max_threads();
-      sweep_lists_.find_near({grid, pointer(bucket_start), pointer(grains_.place), skin_}, n, threads);
+      sweep_lists_.find_near(search, n, threads);
       grains_.make_spare_rows(threads);
       sweep_lists_.tighten(grains_, tight_, {setup_.lanes ? setup_.lanes : sweep_lanes(), history, 3, materials}, true);
       sweep_ = find_sweep(choice(), sweep_lists_.layout().lanes);
       last_tight_ = steps_;
     }
 #endif
-    if (!sweeps())
-      pairs_ = build_pairs(grains_, grid, bucket, pairs_, {materials, history, 3, setup_.track_energy, skin_});
+    if (!sweeps()) pairs_ = build_pairs(grains_, search, pairs_, {materials, history, 3, setup_.track_energy});
     if (walls_.any())
       near_walls_ =
           build_walls(grains_, walls_, grid, near_walls_, {setup_.track_energy, history, skin_, radii_.largest});
@@ -129,6 +126,18 @@ inline void System::rebuild(double share) {
   list_is_stale_ = false;
   last_rebuild_ = steps_;
   ++rebuilds_;
+}
+
+/// Spheres in the order of the grid, or bodies with their spheres.
+inline PairSearch System::sort(const CellGrid& grid, Vector<int>& bucket, Vector<int>& bucket_start) {
+  if (bodies_.any())
+    bodies_.sort_by_bucket(grid, grains_, bucket);
+  else
+    grains_.sort_by_bucket(grid, bucket);
+  bucket_starts(bucket, grid.buckets(), bucket_start);
+  return {
+      grid, pointer(bucket_start), pointer(bodies_.sphere_entry), pointer(bodies_.of_sphere), pointer(grains_.place),
+      skin_};
 }
 
 inline bool System::sweeps() const {
@@ -247,17 +256,19 @@ inline double System::leap(const Phase& phase, double dt) {
                               .dt = dt};
   const Vec3* listed = pointer(grains_.listed);
   const int n = grains_.size();
+  if (bodies_.any() && sweeps()) return leap_bodies(integrator, SummedForces{}, phase);
   if (sweeps()) return reduce(n, Leapfrog<SummedForces>{integrator, {}, listed, phase}, 0.0, thrust::maximum<double>());
   const GatheredForces forces{pointer(grains_.place), pointer(pairs_.own_start), pointer(pairs_.other_start),
                               pointer(pairs_.other), pointer(pairs_.result)};
+  if (bodies_.any()) return leap_bodies(integrator, forces, phase);
   return reduce(n, Leapfrog<GatheredForces>{integrator, forces, listed, phase}, 0.0, thrust::maximum<double>());
 }
 
 /// Finds the grain to blame and says where it is. Called once, at the end of a run.
 inline void System::stop_unstable(int trouble, double dt) const {
   const auto place = download(grains_.place);
-  auto state = download(grains_.state);
-  const Rows<Quad> rows{state.data(), grains_.parts};
+  const auto motion = download(grains_.motion);
+  const Rows<const Quad> rows{motion.data(), grains_.parts};
   const auto ids = download(grains_.id);
   int worst = 0;
   double measure = -1;

@@ -8,6 +8,11 @@
 namespace dem::TRACKBED_DEM_SYSTEM {
 
 inline std::vector<Grain> System::grains() const {
+  if (bodies_.any()) {
+    auto grains = body_grains();
+    std::sort(grains.begin(), grains.end(), [](const Grain& a, const Grain& b) { return a.id < b.id; });
+    return grains;
+  }
   const auto ids = download(grains_.id);
   const auto place = download(grains_.place);
   auto state = download(grains_.state);
@@ -25,8 +30,21 @@ inline std::vector<Grain> System::grains() const {
   return grains;
 }
 
+inline std::vector<GrainSphere> System::spheres() const {
+  const auto ids = download(grains_.id);
+  const auto place = download(grains_.place);
+  std::vector<GrainSphere> spheres(ids.size());
+  for (std::size_t s = 0; s < ids.size(); ++s) spheres[s] = {place[s].position, place[s].radius, ids[s]};
+  std::stable_sort(spheres.begin(), spheres.end(),
+                   [](const GrainSphere& a, const GrainSphere& b) { return a.id < b.id; });
+  return spheres;
+}
+
 // ---- energy
 inline double System::gravity_potential() const {
+  if (bodies_.any())
+    return ordered_sum<1>(bodies_.size(), SumGravity{pointer(bodies_.place), bodies_.states(), setup_.gravity})
+        .value[0];
   const SumGravity sum{pointer(grains_.place), grains_.states(), setup_.gravity};
   return ordered_sum<1>(grains_.size(), sum).value[0];
 }
@@ -85,8 +103,11 @@ inline base::Energy System::energy() const {
   e.work_walls += p.work_walls;
   e.work_interface += p.work_interface;
   if (gravity_referenced_) e.work_gravity += gravity_potential() - gravity_reference_;
-  const SumKinetic kinetic{grains_.states()};
-  e.kinetic = ordered_sum<1>(grains_.size(), kinetic).value[0];
+  e.kinetic = bodies_.any()
+                  ? ordered_sum<1>(bodies_.size(), SumBodyKinetic{bodies_.states(), pointer(bodies_.orientation),
+                                                                  pointer(bodies_.inertia)})
+                        .value[0]
+                  : ordered_sum<1>(grains_.size(), SumKinetic{grains_.states()}).value[0];
   return e;
 }
 
@@ -198,7 +219,8 @@ inline std::vector<WallContact> System::wall_contacts() const {
 
 inline Counts System::counts() const {
   Counts counts;
-  counts.grains = grains_.size();
+  counts.grains = bodies_.any() ? bodies_.size() : grains_.size();
+  counts.spheres = grains_.size();
   counts.wall_candidates = near_walls_.size();
   each_contact([&](int, int, const Meeting&, const kernels::PairParameters&, const Vec3&) { ++counts.contacts; });
   counts.candidate_pairs = pairs_.size();
@@ -211,7 +233,7 @@ inline Counts System::counts() const {
       reduce(near_walls_.size(), CountWallContacts{pointer(near_walls_.state)}, 0, thrust::plus<int>());
   counts.rebuilds = rebuilds_;
   counts.steps = steps_;
-  counts.bytes = grains_.bytes() + list_bytes + walls_.bytes() + near_walls_.bytes();
+  counts.bytes = grains_.bytes() + bodies_.bytes() + list_bytes + walls_.bytes() + near_walls_.bytes();
   return counts;
 }
 
@@ -258,19 +280,33 @@ inline StableStep System::contact_stable_step() const {
   const auto ids = download(grains_.id);
   const int materials = static_cast<int>(setup_.materials.size());
   std::vector<GrainInertia> inertias;
+  const auto body_of_sphere = download(bodies_.of_sphere);
+  const auto centres = download(bodies_.place);
+  const auto moments = download(bodies_.inertia);
+  const auto body_ids = download(bodies_.id);
+  const bool clumps = bodies_.any();
+  for (int b = 0; b < bodies_.size(); ++b)
+    inertias.push_back({0, std::fmin(moments[b].x, std::fmin(moments[b].y, moments[b].z)), body_ids[b]});
   for (int g = 0; g < grains_.size(); ++g) {
     const double mass = motions.translation(g).number, r = place[g].radius;
-    inertias.push_back({mass, setup_.rotations ? 0.4 * mass * r * r : 0, ids[g]});
+    if (clumps)
+      inertias[body_of_sphere[g]].mass = mass;
+    else
+      inertias.push_back({mass, setup_.rotations ? 0.4 * mass * r * r : 0, ids[g]});
   }
+  const auto attach = [&](GrainSpring& s, int sphere, const Vec3& from_sphere) {
+    s.grain = clumps ? body_of_sphere[sphere] : sphere;
+    s.lever = from_sphere;
+    if (clumps) s.lever += place[sphere].position - centres[s.grain].position;
+  };
   std::vector<GrainSpring> springs;
   each_contact([&](int i, int j, const Meeting& m, const kernels::PairParameters& parameters, const Vec3&) {
     auto s = spring_of(parameters, m.touch.effective_radius, m.touch.effective_mass, m.touch.overlap);
     s.normal = m.touch.normal;
-    for (const int g : {i, j}) {
-      s.grain = g;
-      s.arm = g == i ? m.arm_i : m.arm_j;
-      springs.push_back(s);
-    }
+    attach(s, i, -m.arm_i * s.normal);
+    springs.push_back(s);
+    attach(s, j, m.arm_j * s.normal);
+    springs.push_back(s);
   });
   const auto grain = download(near_walls_.grain), start = download(near_walls_.start);
   const auto candidate = download(near_walls_.candidate);
@@ -283,9 +319,8 @@ inline StableStep System::contact_stable_step() const {
       const int wall_material = walls_.rows_host[facets[candidate[c]].wall].material;
       auto s = spring_of(wall_parameters_host_[material[g] * materials + wall_material], place[g].radius,
                          motions.translation(g).number, state[c].overlap);
-      s.grain = g;
       s.normal = state[c].normal;
-      s.arm = place[g].radius - state[c].overlap;
+      attach(s, g, -(place[g].radius - state[c].overlap) * s.normal);
       s.other_is_free = false;
       springs.push_back(s);
     }

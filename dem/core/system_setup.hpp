@@ -29,7 +29,7 @@ inline void System::upload_parameters() {
   std::vector<double> densities;
   grain_parameters_host_.clear();
   wall_parameters_host_.clear();
-  const bool had_friction = any_friction_;
+  const bool had_friction = any_friction_, had_rolling = any_rolling_;
   any_friction_ = any_rolling_ = false;
   for (int a = 0; a < count; ++a) {
     densities.push_back(materials[a].density);
@@ -44,10 +44,11 @@ inline void System::upload_parameters() {
   upload(densities, density_);
   upload(grain_parameters_host_, grain_parameters_);
   upload(wall_parameters_host_, wall_parameters_);
-  if (any_friction_ != had_friction) list_is_stale_ = true;
+  if (any_friction_ != had_friction || any_rolling_ != had_rolling) list_is_stale_ = true;
 }
 
 inline void System::set_masses() {
+  if (bodies_.any()) return set_body_masses();
   launch(grains_.size(), SetMass{pointer(grains_.place), pointer(grains_.material), pointer(density_), grains_.states(),
                                  grains_.motions()});
 }
@@ -58,11 +59,18 @@ inline void System::add_grains(std::span<const Grain> grains) {
     base::require_user(g.radius > 0, "dem: a grain's radius must be positive");
     base::require_user(g.material >= 0 && g.material < materials, "dem: a grain names a material that does not exist");
     base::require_user(setup_.materials[g.material].density > 0, "dem: a grain's material has no density");
+    base::require_user(g.shape < static_cast<int>(shapes_.size()), "dem: a grain names a shape that does not exist");
   }
   if (grains.empty()) return;
   settle_gravity();
-  grains_.add(grains);
-  set_masses();
+  const bool clumps = std::any_of(grains.begin(), grains.end(), [](const Grain& g) { return g.shape >= 0; });
+  if (clumps && !bodies_.any()) make_bodies();
+  if (clumps || bodies_.any()) {
+    add_bodies(grains);
+  } else {
+    grains_.add(grains);
+    set_masses();
+  }
   mark_grains_changed();
 }
 
@@ -70,7 +78,7 @@ inline void System::remove_grains(std::span<const std::int64_t> ids) {
   std::vector<std::int64_t> gone(ids.begin(), ids.end());
   std::sort(gone.begin(), gone.end());
   std::vector<int> order;
-  const auto present = download(grains_.id);
+  const auto present = download(bodies_.any() ? bodies_.id : grains_.id);
   for (std::size_t g = 0; g < present.size(); ++g)
     if (!std::binary_search(gone.begin(), gone.end(), present[g])) order.push_back(static_cast<int>(g));
   if (order.size() == present.size()) return;
@@ -78,12 +86,17 @@ inline void System::remove_grains(std::span<const std::int64_t> ids) {
   flush_losses();
   Vector<int> kept;
   upload(order, kept);
-  grains_.keep(kept);
+  if (bodies_.any())
+    bodies_.keep(kept, grains_);
+  else
+    grains_.keep(kept);
   mark_grains_changed();
 }
 
 inline void System::set_grains(std::span<const Grain> changed) {
   settle_gravity();
+  mark_grains_changed();
+  if (bodies_.any()) return set_bodies(changed);
   std::unordered_map<std::int64_t, const Grain*> by_id;
   for (const Grain& g : changed) by_id[g.id] = &g;
   const auto ids = download(grains_.id);
@@ -100,7 +113,6 @@ inline void System::set_grains(std::span<const Grain> changed) {
   upload(place, grains_.place);
   upload(state, grains_.state);
   launch(grains_.size(), CopyVelocities{grains_.states(), grains_.motions()});
-  mark_grains_changed();
 }
 
 inline void System::set_material(int material, const Material& m) {

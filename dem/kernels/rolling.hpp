@@ -12,7 +12,7 @@
 // omega is the velocity half a step ago, the one that the leapfrog step is about to change.
 //
 // Limits: BROF acts on each grain by its own rotation. It is not action = reaction for moments: the torque on i has no
-// counterpart on j, so the angular momentum of a group of grains is not conserved by it. Spheres (scalar inertia).
+// counterpart on j, so the angular momentum of a group of grains is not conserved by it.
 #include "base/vec3.hpp"
 
 namespace dem::kernels {
@@ -39,6 +39,14 @@ TRACKBED_HD inline RollingResistance bounded_rolling_friction(const RollingState
   const Vec3 torque = needed > state.limit ? (state.limit / needed) * stop : stop;
   const Vec3 now = state.angular_velocity + (0.5 * state.time_step / state.inertia) * (state.contact_torque + torque);
   return {torque, -dot(torque, now) * state.time_step};
+}
+
+/// The same for a body whose inertia is a tensor: I omega is its angular momentum [kg m2/s]. Torque [N m] to be added.
+TRACKBED_HD inline Vec3 bounded_rolling_torque(const Vec3& angular_momentum, const Vec3& contact_torque, double limit,
+                                               double time_step) {
+  const Vec3 stop = -(1 / time_step) * angular_momentum - contact_torque;
+  const double needed = norm(stop);
+  return needed > limit ? (limit / needed) * stop : stop;
 }
 
 }  // namespace dem::kernels
