@@ -35,9 +35,21 @@ struct Material {
 
 /// What a pair of materials does when they touch. Symmetric in the pair.
 struct Interaction {
-  double friction = 0;          // Coulomb coefficient mu [-]
-  double restitution = 1;       // normal restitution e_n in (0, 1] [-]
-  double rolling_friction = 0;  // eta_r [-] (Irazabal2017 5.3); 0: no rolling resistance
+  double friction = 0;                // Coulomb coefficient mu [-]
+  double restitution = 1;             // normal restitution e_n in (0, 1] [-]
+  double rolling_friction = 0;        // eta_r [-] (Irazabal2017 5.3); 0: no rolling resistance
+  std::string law = "hertz_mindlin";  // contact law and rolling model: rows of laws.hpp
+  std::string rolling = "brof";
+  // What only some laws read; laws.hpp says which.
+  double normal_stiffness = 0, shear_stiffness = 0;  // [N/m]
+  double normal_viscosity = 0, shear_viscosity = 0;  // [N s/m]
+  double dissipative_coefficient = 0;                // [s] A
+  int damping_mode = 0;                              // of the hysteretic law
+  double critical_stress = 0;                        // [Pa]
+  double friction_exponent = 0;                      // [-]
+  double rolling_damping = 0;                        // [-] share of critical, rolling model type_c
+
+  bool operator==(const Interaction&) const = default;
 };
 
 struct Grain {

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "dem/damping_ratio.hpp"
+#include "dem/laws.hpp"
 #include "dem/pair_parameters.hpp"
 
 namespace dem {
@@ -143,6 +144,45 @@ double normal_to_shear_stiffness(const kernels::PairParameters& pair) {
   require(positive(pair.effective_shear_modulus), "effective_shear_modulus", pair.effective_shear_modulus,
           "> 0 and finite [Pa]");
   return 0.25 * pair.effective_young_modulus / pair.effective_shear_modulus;
+}
+
+kernels::PairParameters interaction_parameters(const Material& a, const Material& b, const Interaction& interaction,
+                                               bool wall) {
+  const int law = row_number(laws, interaction.law), rolling = row_number(rolling_models, interaction.rolling);
+  base::require_user(law >= 0, "law = " + interaction.law + "; no such contact law");
+  base::require_user(rolling >= 0, "rolling = " + interaction.rolling + "; no such rolling model");
+  kernels::PairParameters pair;
+  if (interaction.law == "linear") {
+    pair = linear_pair(
+        {interaction.normal_stiffness, interaction.shear_stiffness, interaction.friction, interaction.restitution});
+  } else if (interaction.law == "voigt_slider") {
+    pair = voigt_pair({interaction.normal_stiffness, interaction.shear_stiffness, interaction.normal_viscosity,
+                       interaction.shear_viscosity, interaction.friction});
+  } else {
+    pair = wall ? hertz_wall(a, b, interaction) : hertz_pair(a, b, interaction);
+  }
+  if (interaction.law == "hysteretic") {
+    pair.damping_ratio = pair.shear_damping = 0;
+    pair.hysteretic_damping = hysteretic_damping(interaction.damping_mode, interaction.restitution);
+  }
+  if (interaction.law == "viscoelastic") {
+    pair.damping_ratio = pair.shear_damping = 0;
+    pair.dissipative_coefficient = interaction.dissipative_coefficient;
+  }
+  pair.critical_stress = interaction.critical_stress;
+  pair.friction_exponent = interaction.friction_exponent;
+  pair.law = interaction.law == "hertz_mindlin" && interaction.friction == 0 ? smooth_law : law;
+  pair.rolling = interaction.rolling_friction > 0 ? rolling : no_rolling;
+  pair.rolling_friction = interaction.rolling_friction;
+  if (pair.rolling == rolling_c) {
+    const bool springs = pair.normal_stiffness > 0;
+    base::require_user(!springs || pair.shear_stiffness > 0, "rolling = type_c needs shear_stiffness > 0");
+    const double ratio = springs ? pair.normal_stiffness / pair.shear_stiffness : normal_to_shear_stiffness(pair);
+    pair.rolling_stiffness = rolling_stiffness(interaction.rolling_friction, ratio);
+    pair.rolling_damping = interaction.rolling_damping;
+  }
+  check_parameters(pair);
+  return pair;
 }
 
 void check_parameters(const kernels::PairParameters& p) {

@@ -62,6 +62,10 @@ double rolling_stiffness(double rolling_friction, double normal_to_shear_stiffne
 /// k_n / k_t of Hertz-Mindlin: E* / 4 G*.
 double normal_to_shear_stiffness(const kernels::PairParameters&);
 
+/// All constants of a pair of materials by the law and rolling model that the interaction names; `wall`: b is a wall's.
+/// Without friction hertz_mindlin becomes smooth_law.
+kernels::PairParameters interaction_parameters(const Material& a, const Material& b, const Interaction&, bool wall);
+
 /// Throws unless every number is finite and in its range, whatever the law.
 void check_parameters(const kernels::PairParameters&);
 

@@ -8,7 +8,8 @@
 //    that a contact keeps come before those of sheared(): hysteretic.hpp. New constants go into
 //    kernels/pair_parameters.hpp, what the host computes of them into law_parameters.hpp;
 // 2. a row in `laws` below;
-// 3. a row in tests/dem_law_rows.hpp: every test that all laws must pass then runs on it.
+// 3. its case in with_law_number() below: the number of the row;
+// 4. a row in tests/dem_law_rows.hpp: every test that all laws must pass then runs on it.
 // A rolling model likewise: kernels/rolling_models.hpp and a row in `rolling_models`.
 #include <array>
 #include <string_view>
@@ -17,7 +18,6 @@
 #include "dem/kernels/hertz_mindlin.hpp"
 #include "dem/kernels/hysteretic.hpp"
 #include "dem/kernels/linear.hpp"
-#include "dem/kernels/parallel_bond.hpp"
 #include "dem/kernels/rolling_models.hpp"
 #include "dem/kernels/stress_friction.hpp"
 #include "dem/kernels/viscoelastic.hpp"
@@ -63,13 +63,7 @@ inline constexpr std::tuple laws{
         "voigt_slider",
         "linear springs beside dashpots, with a frictional slider",
         "Nishiura2017 section 4",
-        {"normal_stiffness", "shear_stiffness", "normal_viscosity", "shear_viscosity", "friction"}},
-    LawRow<kernels::ParallelBond>{
-        "parallel_bond",
-        "linear contact beside a bond of cement that breaks; pairs bonded at the start",
-        "Potyondy and Cundall 2004 section 2.2",
-        {"normal_stiffness", "shear_stiffness", "restitution", "friction", "bond_normal_stiffness",
-         "bond_shear_stiffness", "bond_tensile_strength", "bond_shear_strength", "bond_radius"}}};
+        {"normal_stiffness", "shear_stiffness", "normal_viscosity", "shear_viscosity", "friction"}}};
 
 inline constexpr std::tuple rolling_models{
     LawRow<kernels::NoRolling>{"none", "no rolling resistance", "", {}},
@@ -86,11 +80,24 @@ inline constexpr std::tuple rolling_models{
                                     "Irazabal2017 5.4-5.6",
                                     {"rolling_friction"}}};
 
-/// True for laws that pull and need the turning of the pair: parallel_bond.hpp.
-template <class Law>
-concept Bonding = requires {
-  Law::bonds;
+/// hertz_mindlin where nothing rubs: its contacts keep nothing.
+constexpr int smooth_law = -1;
+/// Order of rolling_models.
+enum Rolling : int { no_rolling, rolling_a, rolling_c, rolling_brof };
+
+/// Numbers that a contact keeps: the law's, with the ledger one more, then the rolling model's likewise.
+struct ContactNumbers {
+  int law = 0, total = 0;  // where the rolling model's begin; all
+  unsigned flips = 0;      // see PairParameters
 };
+constexpr ContactNumbers contact_numbers(int law_history, bool ledger, int rolling) {
+  ContactNumbers n;
+  n.law = law_history + (ledger ? 1 : 0);
+  n.total = n.law + (rolling == rolling_c ? kernels::RollingC::history + (ledger ? 1 : 0) : 0);
+  if (law_history >= 4) n.flips |= 7u << (law_history - 4);  // shear force
+  if (rolling == rolling_c) n.flips |= 7u << n.law;          // rolling moment
+  return n;
+}
 
 /// Calls visit(row) for every row of a table.
 template <class Table, class Visit>
@@ -102,6 +109,60 @@ constexpr void for_each_law(const Table& table, Visit&& visit) {
 template <class Table, class Visit>
 constexpr bool with_law(const Table& table, std::string_view name, Visit&& visit) {
   return std::apply([&](const auto&... row) { return ((row.name == name && (visit(row), true)) || ...); }, table);
+}
+
+/// Row of this name, or -1.
+template <class Table>
+constexpr int row_number(const Table& table, std::string_view name) {
+  int number = 0, found = -1;
+  for_each_law(table, [&](const auto& row) {
+    if (row.name == name) found = number;
+    ++number;
+  });
+  return found;
+}
+
+/// Calls use(Law{}) with the law of this number.
+template <class Use>
+TRACKBED_HD decltype(auto) with_law_number(int number, Use&& use) {
+  switch (number) {
+    case smooth_law:
+      return use(kernels::HertzSmooth{});
+    case 1:
+      return use(kernels::StressFriction{});
+    case 2:
+      return use(kernels::Hysteretic{});
+    case 3:
+      return use(kernels::Viscoelastic{});
+    case 4:
+      return use(kernels::Linear{});
+    case 5:
+      return use(kernels::VoigtSlider{});
+    default:
+      return use(kernels::HertzMindlin{});
+  }
+}
+
+/// The law is looked up for every contact: where laws are mixed, and where speed does not matter.
+struct AnyLaw {
+  static constexpr int history = 5;  // the most that one of them has
+
+  template <bool Ledger, class Real>
+  TRACKBED_HD static kernels::Reaction<Real> press(const kernels::PairParameters& pair,
+                                                   const kernels::Touch<Real>& touch, const kernels::Interval& time,
+                                                   Real* numbers) {
+    return with_law_number(pair.law,
+                           [&](auto law) { return decltype(law)::template press<Ledger>(pair, touch, time, numbers); });
+  }
+};
+
+/// k_t [N/m] of a contact after press().
+template <class Real>
+TRACKBED_HD Real shear_stiffness_of(const kernels::PairParameters& pair, const Real* numbers) {
+  return with_law_number(pair.law, [&](auto law) {
+    constexpr int history = decltype(law)::history;
+    return history > 0 ? numbers[history > 0 ? history - 1 : 0] : Real{};
+  });
 }
 
 }  // namespace dem

@@ -19,8 +19,4 @@ Sweep find_sweep(const SweepChoice& choice, int lanes) {
   return found;
 }
 
-int sweep_history(const SweepChoice& choice) {
-  return (choice.law == 0 ? kernels::HertzMindlin::history : kernels::HertzSmooth::history) + choice.ledger;
-}
-
 }  // namespace dem

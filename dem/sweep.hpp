@@ -23,23 +23,22 @@ struct SweepInput {
 };
 
 struct SweepSums {
-  double elastic_normal = 0, elastic_shear = 0;  // [J] now
-  double loss_friction = 0, loss_damping = 0;    // [J] in this step
+  double elastic_normal = 0, elastic_shear = 0;                  // [J] now; rolling springs count as shear
+  double loss_friction = 0, loss_damping = 0, loss_rolling = 0;  // [J] in this step
   bool overlap_too_large = false;
 };
 
 using Sweep = void (*)(const SweepInput&, SweepSums&);
 
 struct SweepChoice {
-  int law = 0;  // row of the table in laws.hpp
-  bool ledger = false, turns = true, rolls = false;
+  int law = 0;      // row of the table in laws.hpp
+  int rolling = 0;  // row of the table in laws.hpp
+  bool ledger = false, turns = true;
 };
 
 /// Lanes that suit this machine: 4 with AVX2, otherwise 2.
 int sweep_lanes();
 /// `lanes` is 2 or 4.
 Sweep find_sweep(const SweepChoice&, int lanes);
-/// Numbers per pair in `history`.
-int sweep_history(const SweepChoice&);
 
 }  // namespace dem

@@ -1,6 +1,7 @@
 #pragma once
 // The loop behind sweep.hpp, compiled once per vector width (sweep_portable.cpp, sweep_avx2.cpp). Nothing of plain
 // double may be instantiated here: a function that both files emit would be linked with either's instructions.
+#include "dem/kernels/rolling_models.hpp"
 #include "dem/sweep.hpp"
 
 namespace dem {
@@ -83,11 +84,14 @@ TRACKBED_LANES void scatter(double* base, int stride, const int* first, const in
   }
 }
 
-template <class Law, int W, bool Ledger, bool Turns, bool Rolls>
+template <class Law, class Model, int W, bool Ledger, bool Turns>
 void sweep(const SweepInput& in, SweepSums& sums) {
   using R = Real<W>;
-  constexpr int stride = Turns ? 8 : 4, numbers = Law::history + (Ledger ? 1 : 0);
-  R elastic_normal{}, elastic_shear{}, loss_friction{}, loss_damping{};
+  constexpr bool braked = std::is_same_v<Model, kernels::BoundedRolling>;
+  constexpr bool rolls = !braked && !std::is_same_v<Model, kernels::NoRolling>;
+  constexpr int stride = Turns ? 8 : 4, law_numbers = Law::history + (Ledger ? 1 : 0);
+  constexpr int numbers = law_numbers + (Model::history > 0 ? Model::history + (Ledger ? 1 : 0) : 0);
+  R elastic_normal{}, elastic_shear{}, loss_friction{}, loss_damping{}, loss_rolling{};
   auto too_large = R{} > R{};
   for (int block = 0; block < in.blocks; ++block) {
     const int *i = in.first + block * W, *j = in.second + block * W;
@@ -115,12 +119,14 @@ void sweep(const SweepInput& in, SweepSums& sums) {
     touch.normal.z = choose(apart, touch.normal.z, all<R>(1));
     touch.velocity = {u[0] - v[0], u[1] - v[1], u[2] - v[2]};
     const R half = all<R>(0.5) * touch.overlap, arm_i = a[3] - half, arm_j = b[3] - half;
+    Vector3<R> turning;
     if constexpr (Turns) {
       R p[4], q[4];
       gather(in.motion + 4, stride, i, p);
       gather(in.motion + 4, stride, j, q);
       const Vector3<R> spin{arm_i * p[0] + arm_j * q[0], arm_i * p[1] + arm_j * q[1], arm_i * p[2] + arm_j * q[2]};
       touch.velocity -= cross(spin, touch.normal);
+      turning = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
     }
     const R smaller = kernels::smaller(a[3], b[3]);
     too_large |= (touch.overlap > all<R>(in.maximum_overlap) * smaller) & (smaller > R{});
@@ -129,18 +135,30 @@ void sweep(const SweepInput& in, SweepSums& sums) {
     double* kept = in.history + static_cast<long>(block) * numbers * W;
     for (int k = 0; k < numbers; ++k) history[k] = load<R>(kept + k * W);
     const auto contact = Law::template press<Ledger>(*in.parameters, touch, in.time, history);
+    kernels::Moment<R> couple;
+    if constexpr (rolls) {
+      kernels::RollingContact<R> rolling{turning, contact.normal_force, R{}, R{}};
+      if constexpr (Law::history > 0) rolling.shear_stiffness = history[Law::history - 1];
+      rolling.inertia = kernels::rolling_inertia(u[3], a[3], v[3], b[3]);
+      couple = Model::template resist<Ledger>(*in.parameters, touch, rolling, in.time, history + law_numbers);
+    }
     for (int k = 0; k < numbers; ++k) store(kept + k * W, history[k]);
 
     const Vector3<R>& f = contact.force;
-    R rolling{};
-    if constexpr (Rolls)
-      rolling = all<R>(in.parameters->rolling_friction) * touch.effective_radius * contact.normal_force;
-    const R on_i[4] = {f.x, f.y, f.z, rolling}, on_j[4] = {-f.x, -f.y, -f.z, rolling};
+    R braking{};
+    if constexpr (braked)
+      braking = all<R>(in.parameters->rolling_friction) * touch.effective_radius * contact.normal_force;
+    const R on_i[4] = {f.x, f.y, f.z, braking}, on_j[4] = {-f.x, -f.y, -f.z, braking};
     scatter(in.pull, stride, in.to_first + block * W, in.to_second + block * W, on_i, on_j);
     if constexpr (Turns) {
       const Vector3<R> moment = cross(f, touch.normal);
-      const R turn_i[4] = {arm_i * moment.x, arm_i * moment.y, arm_i * moment.z, R{}};
-      const R turn_j[4] = {arm_j * moment.x, arm_j * moment.y, arm_j * moment.z, R{}};
+      R turn_i[4] = {arm_i * moment.x, arm_i * moment.y, arm_i * moment.z, R{}};
+      R turn_j[4] = {arm_j * moment.x, arm_j * moment.y, arm_j * moment.z, R{}};
+      if constexpr (rolls)
+        for (int k = 0; k < 3; ++k) {
+          turn_i[k] += couple.moment[k];
+          turn_j[k] -= couple.moment[k];
+        }
       scatter(in.pull + 4, stride, in.to_first + block * W, in.to_second + block * W, turn_i, turn_j);
     }
     if constexpr (Ledger) {
@@ -148,6 +166,10 @@ void sweep(const SweepInput& in, SweepSums& sums) {
       elastic_shear += contact.elastic_shear;
       loss_friction += contact.loss_friction;
       loss_damping += contact.loss_damping;
+      if constexpr (rolls) {
+        elastic_shear += couple.elastic;
+        loss_rolling += couple.loss;
+      }
     }
   }
   for (int k = 0; k < W; ++k) {
@@ -155,17 +177,21 @@ void sweep(const SweepInput& in, SweepSums& sums) {
     sums.elastic_shear += elastic_shear[k];
     sums.loss_friction += loss_friction[k];
     sums.loss_damping += loss_damping[k];
+    sums.loss_rolling += loss_rolling[k];
   }
   sums.overlap_too_large = sums.overlap_too_large || kernels::any(too_large);
 }
 
 template <class Law, int W>
 Sweep pick(const SweepChoice& c) {
-  constexpr Sweep table[8] = {sweep<Law, W, false, false, false>, sweep<Law, W, false, false, true>,
-                              sweep<Law, W, false, true, false>,  sweep<Law, W, false, true, true>,
-                              sweep<Law, W, true, false, false>,  sweep<Law, W, true, false, true>,
-                              sweep<Law, W, true, true, false>,   sweep<Law, W, true, true, true>};
-  return table[4 * c.ledger + 2 * c.turns + c.rolls];
+  using kernels::NoRolling;
+  if (!c.turns) return c.ledger ? sweep<Law, NoRolling, W, true, false> : sweep<Law, NoRolling, W, false, false>;
+  constexpr Sweep table[2][4] = {
+      {sweep<Law, NoRolling, W, false, true>, sweep<Law, kernels::RollingA, W, false, true>,
+       sweep<Law, kernels::RollingC, W, false, true>, sweep<Law, kernels::BoundedRolling, W, false, true>},
+      {sweep<Law, NoRolling, W, true, true>, sweep<Law, kernels::RollingA, W, true, true>,
+       sweep<Law, kernels::RollingC, W, true, true>, sweep<Law, kernels::BoundedRolling, W, true, true>}};
+  return table[c.ledger][c.rolling];
 }
 
 }  // namespace sweeping

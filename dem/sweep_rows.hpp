@@ -1,20 +1,13 @@
 #pragma once
-// The laws that a sweep can be made of, for one vector width; the order is that of the table in laws.hpp.
-#include "dem/kernels/hertz_mindlin.hpp"
+// The laws that a sweep can be made of, for one vector width.
+#include "dem/laws.hpp"
 #include "dem/sweep_kernel.hpp"
 
 namespace dem {
 
 template <int W>
 Sweep sweep_of(const SweepChoice& choice) {
-  switch (choice.law) {
-    case 0:
-      return sweeping::pick<kernels::HertzMindlin, W>(choice);
-    case 1:
-      return sweeping::pick<kernels::HertzSmooth, W>(choice);
-    default:
-      return nullptr;
-  }
+  return with_law_number(choice.law, [&](auto law) { return sweeping::pick<decltype(law), W>(choice); });
 }
 
 Sweep portable_sweep(const SweepChoice&);

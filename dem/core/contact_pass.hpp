@@ -3,7 +3,7 @@
 // own rows, so the pass needs no atomics and its result does not depend on the number of threads. Processors use the
 // sweep (dem/sweep.hpp) instead; both call the same law.
 #include "dem/core/rows.hpp"
-#include "dem/kernels/touch.hpp"
+#include "dem/laws.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -11,7 +11,24 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 struct Meeting {
   kernels::Touch<double> touch;
   double arm_i = 0, arm_j = 0;  // [m] from the centres to the contact point
+  Vec3 turning;                 // [rad/s] angular velocity of i relative to j
+  double rolling_inertia = 0;   // [kg m2]
 };
+
+/// Rolling moment on i of the models that act in a contact.
+template <bool Ledger>
+TRACKBED_HD kernels::Moment<double> resist_rolling(const kernels::PairParameters& pair, const Meeting& m,
+                                                   double normal_force, double shear_stiffness,
+                                                   const kernels::Interval& time, double* numbers) {
+  const kernels::RollingContact<double> contact{m.turning, normal_force, shear_stiffness, m.rolling_inertia};
+  if (pair.rolling == rolling_a) return kernels::RollingA::resist<Ledger>(pair, m.touch, contact, time, numbers);
+  if (pair.rolling == rolling_c) return kernels::RollingC::resist<Ledger>(pair, m.touch, contact, time, numbers);
+  return {};
+}
+/// Where the rolling model's numbers begin in a row of `stride` numbers: at its end, whatever the law.
+TRACKBED_HD inline int rolling_numbers(bool ledger) { return kernels::RollingC::history + (ledger ? 1 : 0); }
+/// The most that a law and a rolling model keep.
+constexpr int maximum_numbers = AnyLaw::history + 1 + kernels::RollingC::history + 1;
 
 struct PairGeometry {
   const Place* place;
@@ -30,9 +47,12 @@ struct PairGeometry {
     m.arm_j = b.radius - 0.5 * m.touch.overlap;
     const Quad &ti = motion.translation(i), &tj = motion.translation(j);
     m.touch.velocity = ti.vector - tj.vector;
-    if (motion.parts == 2)
-      m.touch.velocity -=
-          cross(m.arm_i * motion.rotation(i).vector + m.arm_j * motion.rotation(j).vector, m.touch.normal);
+    if (motion.parts == 2) {
+      const Vec3 &wi = motion.rotation(i).vector, &wj = motion.rotation(j).vector;
+      m.touch.velocity -= cross(m.arm_i * wi + m.arm_j * wj, m.touch.normal);
+      m.turning = wi - wj;
+      m.rolling_inertia = kernels::rolling_inertia(ti.number, a.radius, tj.number, b.radius);
+    }
     m.touch.effective_radius = a.radius * b.radius / reach;
     m.touch.effective_mass = ti.number * tj.number / (ti.number + tj.number);
     return true;
@@ -48,6 +68,7 @@ struct ContactPass {
   double* history;  // history_stride numbers per pair
   int history_stride;
   PairForce* result;
+  Vec3* couple;           // [N m] on i besides its force's; null: no model makes one
   ContactLedger* ledger;  // null: not tracked
   int* unstable;
   double maximum_overlap;  // share of the smaller radius
@@ -72,14 +93,23 @@ struct ContactPass {
     const double smaller = std::fmin(geometry.place[i].radius, geometry.place[j].radius);
     if (touch.overlap > maximum_overlap * smaller) *unstable = 1;
     const kernels::PairParameters& material = parameters[pair ? pair[c] : 0];
-    double local[Law::history + 1] = {};
+    double local[maximum_numbers] = {};
     for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];
     const auto contact = Law::template press<Ledger>(material, touch, time, local);
+    kernels::Moment<double> turned;
+    if (couple) {
+      double* numbers = local + history_stride - rolling_numbers(Ledger);
+      const double k_t = shear_stiffness_of(material, local);
+      turned = resist_rolling<Ledger>(material, meeting, contact.normal_force, k_t, time, numbers);
+      couple[c] = turned.moment;
+    }
     for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = local[k];
 
     PairForce& row = result[c];
     row.force = contact.force;
-    row.rolling = material.rolling_friction * touch.effective_radius * contact.normal_force;
+    row.rolling = material.rolling == rolling_brof
+                      ? material.rolling_friction * touch.effective_radius * contact.normal_force
+                      : 0;
     row.moment = cross(touch.normal, contact.force);
     row.half_overlap = 0.5 * touch.overlap;
     if constexpr (Ledger) {
@@ -87,16 +117,22 @@ struct ContactPass {
       l.loss_friction += contact.loss_friction;
       l.loss_damping += contact.loss_damping;
       l.elastic_normal = contact.elastic_normal;
-      l.elastic_shear = contact.elastic_shear;
+      l.elastic_shear = contact.elastic_shear + turned.elastic;
+      l.loss_rolling += turned.loss;
     }
   }
 
-  /// The pair has come apart: its shear spring lets go of what it stored.
+  /// The pair has come apart: its springs let go of what they stored.
   template <bool Ledger>
   TRACKBED_HD void leave(int c) const {
     result[c] = {};
+    if (couple) couple[c] = {};
     if constexpr (Ledger) {
-      ledger[c].loss_friction += history[c * history_stride + Law::history];
+      double local[maximum_numbers] = {};
+      for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];
+      const kernels::PairParameters& material = parameters[pair ? pair[c] : 0];
+      ledger[c].loss_friction += Law::template press<true>(material, {}, time, local).loss_friction;
+      if (couple) ledger[c].loss_rolling += local[history_stride - 1];
       ledger[c].elastic_normal = 0;
       ledger[c].elastic_shear = 0;
     }

@@ -118,6 +118,7 @@ struct GatheredForces {
   const Place* place;
   const int *own_start, *other_start, *other;  // contacts in which the grain is i: a range; is j: listed in `other`
   const PairForce* pair_force;
+  const Vec3* couple;  // null: none
 
   TRACKBED_HD void add(int g, Pull& p) const {
     const double radius = place[g].radius;
@@ -125,12 +126,14 @@ struct GatheredForces {
       const PairForce& f = pair_force[c];
       p.force += f.force;
       p.torque -= (radius - f.half_overlap) * f.moment;
+      if (couple) p.torque += couple[c];
       p.rolling += f.rolling;
     }
     for (int k = other_start[g]; k < other_start[g + 1]; ++k) {
       const PairForce& f = pair_force[other[k]];
       p.force -= f.force;
       p.torque -= (radius - f.half_overlap) * f.moment;
+      if (couple) p.torque -= couple[other[k]];
       p.rolling += f.rolling;
     }
   }

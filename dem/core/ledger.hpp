@@ -4,19 +4,22 @@
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
-struct SumPairs {  // loss_friction, loss_damping, elastic_normal, elastic_shear
+struct SumPairs {  // loss_friction, loss_damping, elastic_normal, elastic_shear, loss_rolling
   const ContactLedger* ledger;
-  TRACKBED_HD void operator()(int c, Sums<4>& s) const {
+  TRACKBED_HD void operator()(int c, Sums<5>& s) const {
     const ContactLedger& l = ledger[c];
     s.value[0] += l.loss_friction;
     s.value[1] += l.loss_damping;
     s.value[2] += l.elastic_normal;
     s.value[3] += l.elastic_shear;
+    s.value[4] += l.loss_rolling;
   }
 };
 struct ClearPairLosses {
   ContactLedger* ledger;
-  TRACKBED_HD void operator()(int c) const { ledger[c].loss_friction = ledger[c].loss_damping = 0; }
+  TRACKBED_HD void operator()(int c) const {
+    ledger[c].loss_friction = ledger[c].loss_damping = ledger[c].loss_rolling = 0;
+  }
 };
 
 struct SumWalls {  // as SumPairs, then work of rigid walls, work of coupled meshes
@@ -24,18 +27,22 @@ struct SumWalls {  // as SumPairs, then work of rigid walls, work of coupled mes
   const int* candidate;
   const Facet* facet;
   const WallRow* wall;
-  TRACKBED_HD void operator()(int c, Sums<6>& s) const {
+  TRACKBED_HD void operator()(int c, Sums<7>& s) const {
     const WallLedger& l = ledger[c];
     s.value[0] += l.loss_friction;
     s.value[1] += l.loss_damping;
     s.value[2] += l.elastic_normal;
     s.value[3] += l.elastic_shear;
-    s.value[wall[facet[candidate[c]].wall].interface ? 5 : 4] += l.work;
+    s.value[4] += l.loss_rolling;
+    s.value[wall[facet[candidate[c]].wall].interface ? 6 : 5] += l.work;
   }
 };
 struct ClearWallLosses {
   WallLedger* ledger;
-  TRACKBED_HD void operator()(int c) const { ledger[c].loss_friction = ledger[c].loss_damping = ledger[c].work = 0; }
+  TRACKBED_HD void operator()(int c) const {
+    WallLedger& l = ledger[c];
+    l.loss_friction = l.loss_damping = l.loss_rolling = l.work = 0;
+  }
 };
 
 struct SumGrainLosses {  // loss_rolling, loss_damping

@@ -106,7 +106,8 @@ struct CarryPairs {
   const int *old_start, *old_second;  // null: there was no list
   const double* old_history;
   double* history;
-  int old_stride, stride, flips;  // numbers per pair; that change sign when i and j are exchanged
+  int old_stride, stride;                     // numbers per pair
+  const kernels::PairParameters* parameters;  // .flips
   const ContactLedger* old_ledger;
   ContactLedger* ledger;
   const PairForce* old_result;
@@ -129,9 +130,10 @@ struct CarryPairs {
       ledger[c].elastic_normal = old_ledger[old].elastic_normal;
       ledger[c].elastic_shear = old_ledger[old].elastic_shear;
     }
+    const unsigned flips = parameters[material[i] * materials + material[j]].flips;
     for (int k = 0; k < stride && k < old_stride; ++k) {
       const double kept = old_history[old * old_stride + k];
-      history[c * stride + k] = a > b && k < flips ? -kept : kept;
+      history[c * stride + k] = a > b && (flips >> k & 1) ? -kept : kept;
     }
   }
 };

@@ -13,19 +13,21 @@ struct PairColumns {
   Vector<double> history;                     // history_stride numbers per pair
   int history_stride = 0;
   Vector<PairForce> result;
+  Vector<Vec3> couple;           // empty: none
   Vector<ContactLedger> ledger;  // empty: not tracked
 
   int size() const { return static_cast<int>(second.size()); }
   std::size_t bytes() const {
     return bytes_of(own_start) + bytes_of(other_start) + bytes_of(other) + bytes_of(first) + bytes_of(second) +
-           bytes_of(pair) + bytes_of(history) + bytes_of(result) + bytes_of(ledger);
+           bytes_of(pair) + bytes_of(history) + bytes_of(result) + bytes_of(couple) + bytes_of(ledger);
   }
 };
 
 struct PairOptions {
   int materials = 1;
-  int history = 4;  // numbers per pair
-  int flips = 3;    // the first so many change sign when i and j are exchanged
+  int history = 4;                                      // numbers per pair
+  const kernels::PairParameters* parameters = nullptr;  // on the backend, materials × materials
+  bool couples = false;                                 // some rolling model acts in the contact
   bool ledger = true;
 };
 
@@ -47,6 +49,7 @@ inline PairColumns build_pairs(const Grains& grains, const PairSearch& search, c
   launch(n, LinkOthers{own_start, pointer(list.second), other_start, pointer(list.other)});
 
   list.result.resize(pairs);
+  if (options.couples) list.couple.resize(pairs);
   if (options.materials > 1) list.pair.resize(pairs);
   list.history_stride = options.history;
   list.history.resize(static_cast<std::size_t>(pairs) * options.history);
@@ -63,7 +66,7 @@ inline PairColumns build_pairs(const Grains& grains, const PairSearch& search, c
                            .history = pointer(list.history),
                            .old_stride = old.history_stride,
                            .stride = list.history_stride,
-                           .flips = options.flips,
+                           .parameters = options.parameters,
                            .old_ledger = pointer(old.ledger),
                            .ledger = pointer(list.ledger),
                            .old_result = pointer(old.result),

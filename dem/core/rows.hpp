@@ -43,6 +43,7 @@ struct alignas(64) PairForce {
 struct ContactLedger {
   double loss_friction = 0, loss_damping = 0;    // [J] since the last flush
   double elastic_normal = 0, elastic_shear = 0;  // [J] stored now
+  double loss_rolling = 0;                       // [J] since the last flush
 };
 
 // ---- walls: planes are facets with one node, the plane's point

@@ -12,6 +12,7 @@
 
 #include "dem/core/grains.hpp"
 #include "dem/core/pair_search.hpp"
+#include "dem/laws.hpp"
 #include "dem/sweep.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
@@ -38,12 +39,12 @@ struct SweepRange {
   bool holds(int g) const { return g >= begin && g < end; }
 };
 
-/// What the rows of pairs look like.
+/// What the rows of pairs look like; one kind per pair of materials.
 struct SweepLayout {
   int lanes = 2;
-  int history = 4;  // numbers per pair
-  int flips = 3;    // the first so many change sign when i and j are exchanged
   int materials = 1;
+  std::vector<ContactNumbers> numbers;  // per kind
+  std::vector<Sweep> sweeps;            // per kind
 };
 
 class SweepLists {
@@ -94,7 +95,7 @@ class SweepLists {
   }
 
   /// Adds the forces to `pull` and returns the sums over all pairs.
-  SweepSums run(Sweep sweep, const SweepInput& rows, const kernels::PairParameters* parameters) {
+  SweepSums run(const SweepInput& rows, const kernels::PairParameters* parameters) {
     const int number = static_cast<int>(ranges_.size());
     std::vector<SweepSums> sums(2 * number);
 #pragma omp parallel for schedule(static, 1)
@@ -112,7 +113,7 @@ class SweepLists {
           input.history = pointer(list.history);
           input.blocks = (list.pairs + layout_.lanes - 1) / layout_.lanes;
           input.parameters = parameters + k;
-          sweep(input, sums[2 * t + border]);
+          layout_.sweeps[k](input, sums[2 * t + border]);
         }
       }
     }
@@ -123,12 +124,13 @@ class SweepLists {
       total.elastic_shear += share * sums[k].elastic_shear;
       total.loss_friction += share * sums[k].loss_friction;
       total.loss_damping += share * sums[k].loss_damping;
+      total.loss_rolling += share * sums[k].loss_rolling;
       total.overlap_too_large = total.overlap_too_large || sums[k].overlap_too_large;
     }
     return total;
   }
 
-  /// Calls visit(i, j, history) for every listed pair once.
+  /// Calls visit(i, j, history, numbers) for every listed pair once.
   template <class Visit>
   void each(Visit&& visit) const {
     double history[maximum_history];
@@ -138,8 +140,8 @@ class SweepLists {
         for (std::size_t k = 0; k < lists.size(); ++k)
           for (int c = 0; c < lists[k].pairs; ++c) {
             if (border && !range.holds(lists[k].first[c])) continue;
-            copy_history(lists[k], c, layout_, history);
-            visit(lists[k].first[c], lists[k].second[c], history);
+            copy_history(lists[k], c, layout_.lanes, layout_.numbers[k].total, history);
+            visit(lists[k].first[c], lists[k].second[c], history, layout_.numbers[k].total);
           }
       }
   }
@@ -166,27 +168,27 @@ class SweepLists {
   static constexpr int maximum_history = 32;
 
  private:
-  static void copy_history(const SweepPairs& list, int pair, const SweepLayout& layout, double* to) {
-    const double* block = list.history.data() +
-                          static_cast<std::size_t>(pair / layout.lanes) * layout.lanes * layout.history +
-                          pair % layout.lanes;
-    for (int k = 0; k < layout.history; ++k) to[k] = block[k * layout.lanes];
+  static void copy_history(const SweepPairs& list, int pair, int lanes, int numbers, double* to) {
+    const double* block = list.history.data() + static_cast<std::size_t>(pair / lanes) * lanes * numbers + pair % lanes;
+    for (int k = 0; k < numbers; ++k) to[k] = block[k * lanes];
   }
 
   /// Copies the history of the old pair {a, b} to `to`; false when there was none.
-  bool find_old(int a, int b, int materials, const SweepLayout& layout, double* to) const {
+  bool find_old(int a, int b, int kind, const SweepLayout& layout, double* to) const {
     if (a < 0 || b < 0) return false;
     const int low = std::min(a, b), high = std::max(a, b);
     for (const SweepRange& range : old_) {
       if (!range.holds(low)) continue;
       const auto& lists = range.holds(high) ? range.inner : range.border;
-      if (static_cast<int>(lists.size()) <= materials) return false;
-      const SweepPairs& list = lists[materials];
+      if (static_cast<int>(lists.size()) <= kind) return false;
+      const SweepPairs& list = lists[kind];
       for (int c = list.start[low - range.begin]; c < list.start[low - range.begin + 1]; ++c)
         if (list.first[c] == low && list.second[c] == high) {
-          copy_history(list, c, layout, to);
+          const ContactNumbers& numbers = layout.numbers[kind];
+          copy_history(list, c, layout.lanes, numbers.total, to);
           if (a > b)
-            for (int k = 0; k < layout.flips; ++k) to[k] = -to[k];
+            for (int k = 0; k < numbers.total; ++k)
+              if (numbers.flips >> k & 1) to[k] = -to[k];
           return true;
         }
       return false;
@@ -234,15 +236,16 @@ class SweepLists {
     const int lanes = layout_.lanes, blocks = (list.pairs + lanes - 1) / lanes;
     for (auto* rows : {&list.first, &list.second, &list.to_first, &list.to_second})
       if (!rows->empty()) rows->resize((blocks + 5) * lanes, spare);  // the sweep reads ahead
-    list.history.resize(static_cast<std::size_t>(blocks) * lanes * layout_.history);
+    const int row = layout_.numbers[kind].total;
+    list.history.resize(static_cast<std::size_t>(blocks) * lanes * row);
     if (old_.empty()) return;
     double kept[maximum_history];
-    const int numbers = std::min(layout_.history, old_layout.history);
+    const int numbers = std::min(row, old_layout.numbers[kind].total);
     for (int c = 0; c < list.pairs; ++c) {
       const int a = renumbered ? grains.old_of_new[list.first[c]] : list.first[c];
       const int b = renumbered ? grains.old_of_new[list.second[c]] : list.second[c];
       if (!find_old(a, b, kind, old_layout, kept)) continue;
-      double* block = list.history.data() + static_cast<std::size_t>(c / lanes) * lanes * layout_.history + c % lanes;
+      double* block = list.history.data() + static_cast<std::size_t>(c / lanes) * lanes * row + c % lanes;
       for (int k = 0; k < numbers; ++k) block[k * lanes] = kept[k];
     }
   }

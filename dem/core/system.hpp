@@ -76,7 +76,11 @@ class System final : public Simulation {
   double leap(const Phase&, double dt);
   PairSearch sort(const CellGrid&, Vector<int>& bucket, Vector<int>& bucket_start);
   bool sweeps() const;
-  SweepChoice choice() const;
+  ContactNumbers numbers_of(const kernels::PairParameters&) const;
+  int history_stride() const { return numbers_of({}).total; }
+#if !defined(TRACKBED_DEM_CUDA)
+  SweepLayout sweep_layout() const;
+#endif
   [[noreturn]] void stop_unstable(int trouble, double dt) const;
   // system_measure.hpp
   void flush_losses();
@@ -89,10 +93,11 @@ class System final : public Simulation {
 
   Setup setup_;
   Backend backend_;
-  double alpha_ = 0;  // [1/s] artificial damping
-  bool any_friction_ = false, any_rolling_ = false;
-  Grains grains_;  // spheres
-  Bodies bodies_;  // of clumps; empty without them
+  double alpha_ = 0;                         // [1/s] artificial damping
+  bool smooth_ = true, mixed_laws_ = false;  // no friction at all; laws other than hertz_mindlin
+  bool brakes_ = false, couples_ = false;    // rolling models: BROF; those that act in a contact
+  Grains grains_;                            // spheres
+  Bodies bodies_;                            // of clumps; empty without them
   std::vector<Clump> shapes_;
   PairColumns pairs_;
   Walls walls_;
@@ -104,7 +109,6 @@ class System final : public Simulation {
 #if !defined(TRACKBED_DEM_CUDA)
   SweepLists sweep_lists_;
 #endif
-  Sweep sweep_ = nullptr;
   SweepSums sweep_sums_;  // of the last step; its losses are booked
 
   bool list_is_stale_ = true, forces_are_stale_ = true;

@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include "dem/core/system_bodies.hpp"
-#include "dem/kernels/hertz_mindlin.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -36,7 +35,7 @@ inline void System::prepare(double dt) {
     flush_losses();
     walls_.upload_rows();
   }
-  const bool ledger = setup_.track_energy && (alpha_ > 0 || (any_rolling_ && setup_.rotations));
+  const bool ledger = setup_.track_energy && (alpha_ > 0 || brakes_);
   if (ledger && grains_.ledger.empty()) grains_.ledger.resize(bodies_.any() ? bodies_.size() : grains_.size());
   if (list_is_stale_) rebuild(0);
   if (forces_are_stale_) {
@@ -94,7 +93,7 @@ inline void System::rebuild(double share) {
     Vector<int> bucket, bucket_start;
     const PairSearch search = sort(grid, bucket, bucket_start);
     const int materials = static_cast<int>(setup_.materials.size());
-    const int history = sweep_history(choice());
+    const int history = history_stride();
     tight_ = skin_;
 #if !defined(TRACKBED_DEM_CUDA)
     if (sweeps()) {
@@ -102,12 +101,17 @@ inline void System::rebuild(double share) {
       const int threads = omp_get_max_threads();
       sweep_lists_.find_near(search, n, threads);
       grains_.make_spare_rows(threads);
-      sweep_lists_.tighten(grains_, tight_, {setup_.lanes ? setup_.lanes : sweep_lanes(), history, 3, materials}, true);
-      sweep_ = find_sweep(choice(), sweep_lists_.layout().lanes);
+      sweep_lists_.tighten(grains_, tight_, sweep_layout(), true);
       last_tight_ = steps_;
     }
 #endif
-    if (!sweeps()) pairs_ = build_pairs(grains_, search, pairs_, {materials, history, 3, setup_.track_energy});
+    if (!sweeps())
+      pairs_ = build_pairs(grains_, search, pairs_,
+                           {.materials = materials,
+                            .history = history,
+                            .parameters = pointer(grain_parameters_),
+                            .couples = couples_,
+                            .ledger = setup_.track_energy});
     if (walls_.any())
       near_walls_ =
           build_walls(grains_, walls_, grid, near_walls_, {setup_.track_energy, history, skin_, radii_.largest});
@@ -148,20 +152,31 @@ inline bool System::sweeps() const {
 #endif
 }
 
-inline SweepChoice System::choice() const {
-  return {.law = any_friction_ ? 0 : 1,
-          .ledger = setup_.track_energy,
-          .turns = setup_.rotations,
-          .rolls = any_rolling_ && setup_.rotations};
+#if !defined(TRACKBED_DEM_CUDA)
+inline SweepLayout System::sweep_layout() const {
+  SweepLayout layout;
+  layout.lanes = setup_.lanes ? setup_.lanes : sweep_lanes();
+  layout.materials = static_cast<int>(setup_.materials.size());
+  for (const auto& pair : grain_parameters_host_) {
+    const int history = with_law_number(pair.law, [](auto law) { return decltype(law)::history; });
+    layout.numbers.push_back(contact_numbers(history, setup_.track_energy, pair.rolling));
+    const SweepChoice choice{
+        .law = pair.law, .rolling = pair.rolling, .ledger = setup_.track_energy, .turns = setup_.rotations};
+    layout.sweeps.push_back(find_sweep(choice, layout.lanes));
+  }
+  return layout;
 }
+#endif
 
 /// Forces at the present positions, added to grains_.pull or left with the pairs; the step that ends took `ended`.
 inline void System::evaluate(const kernels::Interval& time, double ended) {
   press_pairs(time);
-  if (any_friction_)
-    press_walls<kernels::HertzMindlin>(time, ended);
-  else
+  if (mixed_laws_)
+    press_walls<AnyLaw>(time, ended);
+  else if (smooth_)
     press_walls<kernels::HertzSmooth>(time, ended);
+  else
+    press_walls<kernels::HertzMindlin>(time, ended);
   last_ahead_ = time.ahead;
 }
 
@@ -176,6 +191,7 @@ ContactPass<Law> contact_pass(const Grains& grains, PairColumns& pairs, const ke
           .history = pointer(pairs.history),
           .history_stride = pairs.history_stride,
           .result = pointer(pairs.result),
+          .couple = pointer(pairs.couple),
           .ledger = pointer(pairs.ledger),
           .unstable = unstable,
           .maximum_overlap = maximum_overlap,
@@ -198,21 +214,25 @@ inline void System::press_pairs(const kernels::Interval& time) {
                           .parameters = nullptr,
                           .time = time,
                           .maximum_overlap = setup_.maximum_overlap};
-    sweep_sums_ = sweep_lists_.run(sweep_, rows, pointer(grain_parameters_));
+    sweep_sums_ = sweep_lists_.run(rows, pointer(grain_parameters_));
     totals_.loss_friction += sweep_sums_.loss_friction;
     totals_.loss_contact_damping += sweep_sums_.loss_damping;
+    totals_.loss_rolling += sweep_sums_.loss_rolling;
     if (sweep_sums_.overlap_too_large) trouble_[0] = overlap_too_large;
     return;
   }
 #endif
   const auto* parameters = pointer(grain_parameters_);
   int* unstable = pointer(trouble_);
-  if (any_friction_)
-    launch(pairs_.size(),
-           contact_pass<kernels::HertzMindlin>(grains_, pairs_, parameters, unstable, setup_.maximum_overlap, time));
+  const auto press = [&]<class Law>() {
+    launch(pairs_.size(), contact_pass<Law>(grains_, pairs_, parameters, unstable, setup_.maximum_overlap, time));
+  };
+  if (mixed_laws_)
+    press.template operator()<AnyLaw>();
+  else if (smooth_)
+    press.template operator()<kernels::HertzSmooth>();
   else
-    launch(pairs_.size(),
-           contact_pass<kernels::HertzSmooth>(grains_, pairs_, parameters, unstable, setup_.maximum_overlap, time));
+    press.template operator()<kernels::HertzMindlin>();
 }
 
 template <class Law>
@@ -231,6 +251,7 @@ void System::press_walls(const kernels::Interval& time, double ended) {
                                                   .state = pointer(near_walls_.state),
                                                   .history = pointer(near_walls_.history),
                                                   .history_stride = near_walls_.history_stride,
+                                                  .couples = couples_,
                                                   .sum = pointer(near_walls_.sum),
                                                   .impulse = pointer(near_walls_.impulse),
                                                   .nodal = pointer(near_walls_.nodal),
@@ -252,14 +273,14 @@ inline double System::leap(const Phase& phase, double dt) {
                               .ledger = pointer(grains_.ledger),
                               .gravity = setup_.gravity,
                               .alpha = alpha_,
-                              .rolling = any_rolling_,
+                              .rolling = brakes_,
                               .dt = dt};
   const Vec3* listed = pointer(grains_.listed);
   const int n = grains_.size();
   if (bodies_.any() && sweeps()) return leap_bodies(integrator, SummedForces{}, phase);
   if (sweeps()) return reduce(n, Leapfrog<SummedForces>{integrator, {}, listed, phase}, 0.0, thrust::maximum<double>());
   const GatheredForces forces{pointer(grains_.place), pointer(pairs_.own_start), pointer(pairs_.other_start),
-                              pointer(pairs_.other), pointer(pairs_.result)};
+                              pointer(pairs_.other),  pointer(pairs_.result),    pointer(pairs_.couple)};
   if (bodies_.any()) return leap_bodies(integrator, forces, phase);
   return reduce(n, Leapfrog<GatheredForces>{integrator, forces, listed, phase}, 0.0, thrust::maximum<double>());
 }

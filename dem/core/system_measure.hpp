@@ -60,8 +60,8 @@ inline void System::settle_gravity() {
 inline base::Energy System::pending() const {
   base::Energy e;
   if (!setup_.track_energy) return e;
-  const auto pairs = ordered_sum<4>(static_cast<int>(pairs_.ledger.size()), SumPairs{pointer(pairs_.ledger)});
-  const auto walls = ordered_sum<6>(static_cast<int>(near_walls_.ledger.size()),
+  const auto pairs = ordered_sum<5>(static_cast<int>(pairs_.ledger.size()), SumPairs{pointer(pairs_.ledger)});
+  const auto walls = ordered_sum<7>(static_cast<int>(near_walls_.ledger.size()),
                                     SumWalls{pointer(near_walls_.ledger), pointer(near_walls_.candidate),
                                              pointer(walls_.facets), pointer(walls_.rows)});
   const auto grains = ordered_sum<2>(static_cast<int>(grains_.ledger.size()), SumGrainLosses{pointer(grains_.ledger)});
@@ -69,9 +69,9 @@ inline base::Energy System::pending() const {
   e.loss_contact_damping = pairs.value[1] + walls.value[1];
   e.elastic_normal = pairs.value[2] + walls.value[2] + sweep_sums_.elastic_normal;
   e.elastic_shear = pairs.value[3] + walls.value[3] + sweep_sums_.elastic_shear;
-  e.work_walls = walls.value[4];
-  e.work_interface = walls.value[5];
-  e.loss_rolling = grains.value[0];
+  e.work_walls = walls.value[5];
+  e.work_interface = walls.value[6];
+  e.loss_rolling = grains.value[0] + pairs.value[4] + walls.value[4];
   e.loss_damping = grains.value[1];
   return e;
 }
@@ -166,19 +166,16 @@ void System::each_contact(Visit&& visit) const {
   const auto look = [&](int i, int j, const double* kept, int numbers) {
     Meeting meeting;
     if (!geometry.meet(i, j, meeting)) return;
-    double history[kernels::HertzMindlin::history + 1] = {};
+    double history[maximum_numbers] = {};
     std::copy_n(kept, numbers, history);
     const auto& parameters = grain_parameters_host_[material[i] * materials + material[j]];
     const kernels::Interval back{-last_ahead_, 0};
-    const Vec3 force = any_friction_
-                           ? kernels::HertzMindlin::press<false>(parameters, meeting.touch, back, history).force
-                           : kernels::HertzSmooth::press<false>(parameters, meeting.touch, back, history).force;
+    const Vec3 force = AnyLaw::press<false>(parameters, meeting.touch, back, history).force;
     visit(i, j, meeting, parameters, force);
   };
 #if !defined(TRACKBED_DEM_CUDA)
   if (sweeps()) {
-    const int numbers = sweep_lists_.layout().history;
-    sweep_lists_.each([&](int i, int j, const double* kept) { look(i, j, kept, numbers); });
+    sweep_lists_.each(look);
     return;
   }
 #endif
@@ -262,13 +259,22 @@ inline StableStep System::stable_step() const {
   return step;
 }
 
-inline GrainSpring spring_of(const kernels::PairParameters& material, double radius, double mass, double overlap) {
+inline GrainSpring spring_of(const kernels::PairParameters& pair, double radius, double mass, double overlap) {
   const double patch = std::sqrt(radius * overlap);
   GrainSpring s;
-  s.normal_stiffness = 2 * material.effective_young_modulus * patch;
-  s.shear_stiffness = material.friction > 0 ? 8 * material.effective_shear_modulus * patch : 0;
-  s.normal_damping = 2 * material.damping_ratio * std::sqrt(mass * s.normal_stiffness);
-  s.shear_damping = 2 * material.damping_ratio * std::sqrt(mass * s.shear_stiffness);
+  if (pair.normal_stiffness > 0) {  // linear springs
+    s.normal_stiffness = pair.normal_stiffness;
+    s.shear_stiffness = pair.friction > 0 ? pair.shear_stiffness : 0;
+    s.normal_damping = pair.normal_viscosity;
+    s.shear_damping = pair.shear_viscosity;
+  } else {
+    s.normal_stiffness = 2 * pair.effective_young_modulus * patch;
+    s.shear_stiffness = pair.friction > 0 ? 8 * pair.effective_shear_modulus * patch : 0;
+    s.normal_damping = pair.dissipative_coefficient * s.normal_stiffness;
+  }
+  const double dashpot = 2 * pair.damping_ratio * std::sqrt(mass * s.normal_stiffness);
+  s.normal_damping += dashpot;
+  s.shear_damping += pair.friction > 0 ? pair.shear_damping * dashpot : 0;
   return s;
 }
 

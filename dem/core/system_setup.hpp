@@ -3,7 +3,7 @@
 #include <unordered_map>
 
 #include "dem/core/system.hpp"
-#include "dem/pair_parameters.hpp"
+#include "dem/law_parameters.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -27,24 +27,52 @@ inline void System::upload_parameters() {
   const auto& materials = setup_.materials;
   const int count = static_cast<int>(materials.size());
   std::vector<double> densities;
+  const auto before = grain_parameters_host_;
+  const auto walls_before = wall_parameters_host_;
   grain_parameters_host_.clear();
   wall_parameters_host_.clear();
-  const bool had_friction = any_friction_, had_rolling = any_rolling_;
-  any_friction_ = any_rolling_ = false;
+  smooth_ = true;
+  mixed_laws_ = brakes_ = couples_ = false;
   for (int a = 0; a < count; ++a) {
     densities.push_back(materials[a].density);
     for (int b = 0; b < count; ++b) {
       const Interaction& between = setup_.interactions[a * count + b];
-      grain_parameters_host_.push_back(pair_parameters(materials[a], materials[b], between));
-      wall_parameters_host_.push_back(wall_parameters(materials[a], materials[b], between));
-      any_friction_ = any_friction_ || between.friction > 0;
-      any_rolling_ = any_rolling_ || between.rolling_friction > 0;
+      for (const bool wall : {false, true}) {
+        auto pair = interaction_parameters(materials[a], materials[b], between, wall);
+        if (!setup_.rotations) pair.rolling = no_rolling;
+        smooth_ = smooth_ && pair.law == smooth_law;
+        mixed_laws_ = mixed_laws_ || pair.law > 0;
+        brakes_ = brakes_ || pair.rolling == rolling_brof;
+        couples_ = couples_ || pair.rolling == rolling_a || pair.rolling == rolling_c;
+        (wall ? wall_parameters_host_ : grain_parameters_host_).push_back(pair);
+      }
     }
   }
+  // Where the laws differ from pair to pair, a row of numbers is as long as the longest.
+  for (auto* table : {&grain_parameters_host_, &wall_parameters_host_})
+    for (auto& pair : *table) pair.flips = numbers_of(pair).flips;
   upload(densities, density_);
   upload(grain_parameters_host_, grain_parameters_);
   upload(wall_parameters_host_, wall_parameters_);
-  if (any_friction_ != had_friction || any_rolling_ != had_rolling) list_is_stale_ = true;
+  const auto differ = [](const kernels::PairParameters& x, const kernels::PairParameters& y) {
+    return x.law != y.law || x.rolling != y.rolling;
+  };
+  const auto changed = [&](const auto& old, const auto& now) {
+    return !std::equal(old.begin(), old.end(), now.begin(), now.end(),
+                       [&](const auto& x, const auto& y) { return !differ(x, y); });
+  };
+  if (changed(before, grain_parameters_host_) || changed(walls_before, wall_parameters_host_)) list_is_stale_ = true;
+}
+
+/// What one contact of this pair keeps when contacts are taken one by one: the rolling numbers end the row.
+inline ContactNumbers System::numbers_of(const kernels::PairParameters& pair) const {
+  const int law = smooth_ ? 0 : mixed_laws_ ? AnyLaw::history : kernels::HertzMindlin::history;
+  const bool ledger = setup_.track_energy;
+  ContactNumbers numbers = contact_numbers(law, ledger, couples_ ? rolling_c : no_rolling);
+  const int own = with_law_number(pair.law, [](auto one) { return decltype(one)::history; });
+  numbers.flips = contact_numbers(own, ledger, no_rolling).flips;
+  if (couples_) numbers.flips |= 7u << numbers.law;
+  return numbers;
 }
 
 inline void System::set_masses() {

@@ -6,8 +6,7 @@
 // Tangential history lives with the (grain, facet) candidate. A grain that slides or rolls from one facet to the next
 // hands it on: a new contact takes the history of a contact with the same wall that ended in this step, if the normals
 // differ by less than 60 degrees.
-#include "dem/core/rows.hpp"
-#include "dem/kernels/touch.hpp"
+#include "dem/core/contact_pass.hpp"
 #include "dem/kernels/wall_geometry.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
@@ -20,6 +19,7 @@ struct WallLedger {
   double loss_friction = 0, loss_damping = 0;    // [J] since the last flush
   double elastic_normal = 0, elastic_shear = 0;  // [J] stored now
   double work = 0;                               // [J] of the moving wall on the grain, since the last flush
+  double loss_rolling = 0;                       // [J] since the last flush
 };
 
 struct WallGeometry {
@@ -67,6 +67,7 @@ struct WallPass {
   WallState* state;
   double* history;  // history_stride numbers per candidate
   int history_stride;
+  bool couples;  // some rolling model acts in the contact
   WallSum* sum;
   Vec3* impulse;        // [N s] received by the grain, since the last flush
   NodalImpulse* nodal;  // null: no mesh is coupled
@@ -103,7 +104,7 @@ struct WallPass {
       if (m < found.number && found.candidate[m] == c && found.keep[m])
         press(c, g, found.vector[m], found.weights[m], total);
       else if (state[c].overlap > 0)
-        leave(c);
+        leave(c, g);
     }
     sum[w] = total;
   }
@@ -115,7 +116,7 @@ struct WallPass {
     if (contact.feature != kernels::Feature::none)
       press(c, g, p.position - contact.point, contact.weights, total);
     else if (state[c].overlap > 0)
-      leave(c);
+      leave(c, g);
   }
 
   TRACKBED_HD bool has_history(int c) const {
@@ -179,13 +180,18 @@ struct WallPass {
     Vec3 normal = plane ? wall.plane_normal : Vec3{0, 0, 1};
     if (length > 0) normal = (side / length) * vector;
 
-    kernels::Touch<double> touch;
+    Meeting meeting;
+    kernels::Touch<double>& touch = meeting.touch;
     touch.overlap = overlap;
     touch.effective_radius = p.radius;
     touch.effective_mass = motion.translation(g).number;
     touch.normal = normal;
     touch.velocity = motion.translation(g).vector;
-    if (motion.parts == 2) touch.velocity -= cross(motion.rotation(g).vector, vector);
+    if (motion.parts == 2) {
+      meeting.turning = motion.rotation(g).vector;
+      meeting.rolling_inertia = kernels::rolling_inertia(touch.effective_mass, p.radius, 0.0, 0.0);
+      touch.velocity -= cross(meeting.turning, vector);
+    }
     WallState& s = state[c];
     Vec3 wall_step;   // displacement of the contact point's material with the wall
     double work = 0;  // of the wall on the grain, with the force before
@@ -198,18 +204,25 @@ struct WallPass {
       }
 
     const auto& material = parameters[grain_material[g] * materials + wall.material];
-    double local[Law::history + 1] = {};
+    double local[maximum_numbers] = {};
     for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];
     const auto contact = ledger ? Law::template press<true>(material, touch, time, local)
                                 : Law::template press<false>(material, touch, time, local);
+    kernels::Moment<double> turned;
+    if (couples) {
+      double* numbers = local + history_stride - rolling_numbers(ledger != nullptr);
+      const double k_t = shear_stiffness_of(material, local), f_n = contact.normal_force;
+      turned = ledger ? resist_rolling<true>(material, meeting, f_n, k_t, time, numbers)
+                      : resist_rolling<false>(material, meeting, f_n, k_t, time, numbers);
+    }
     for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = local[k];
     s.force = contact.force;
     s.overlap = overlap;
     s.normal = normal;
     for (int k = 0; k < 4; ++k) s.weights[k] = weights[k];
     total.force += contact.force;
-    total.torque -= cross(vector, contact.force);
-    total.rolling += material.rolling_friction * p.radius * contact.normal_force;
+    total.torque += turned.moment - cross(vector, contact.force);
+    if (material.rolling == rolling_brof) total.rolling += material.rolling_friction * p.radius * contact.normal_force;
 
     impulse[c] += dt * contact.force;
     if (nodal && wall.nodal)
@@ -219,16 +232,22 @@ struct WallPass {
       l.loss_friction += contact.loss_friction;
       l.loss_damping += contact.loss_damping;
       l.elastic_normal = contact.elastic_normal;
-      l.elastic_shear = contact.elastic_shear;
+      l.elastic_shear = contact.elastic_shear + turned.elastic;
+      l.loss_rolling += turned.loss;
       l.work += 0.5 * (work + dot(contact.force, wall_step));
     }
   }
 
-  TRACKBED_HD void leave(int c) const {
+  TRACKBED_HD void leave(int c, int g) const {
     WallState& s = state[c];
     if (ledger) {
       WallLedger& l = ledger[c];
-      l.loss_friction += history[c * history_stride + Law::history];
+      double local[maximum_numbers] = {};
+      for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];
+      const int wall_material = geometry.wall[geometry.facet[candidate[c]].wall].material;
+      const auto& material = parameters[grain_material[g] * materials + wall_material];
+      l.loss_friction += Law::template press<true>(material, {}, time, local).loss_friction;
+      if (couples) l.loss_rolling += local[history_stride - 1];
       l.elastic_normal = 0;
       l.elastic_shear = 0;
       const Facet& facet = geometry.facet[candidate[c]];

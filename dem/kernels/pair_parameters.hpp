@@ -4,6 +4,10 @@
 namespace dem::kernels {
 
 struct PairParameters {
+  // What the pair does: rows of the tables in dem/laws.hpp
+  int law = 0;         // smooth_law: hertz_mindlin without friction
+  int rolling = 0;     // rolling model
+  unsigned flips = 0;  // which of the numbers that a contact keeps change sign when i and j are exchanged, bit by bit
   // Elastic contacts (Hertz): Irazabal2017 3.27c, 3.27d; walls 4.1d
   double effective_young_modulus = 0;  // [Pa] E*
   double effective_shear_modulus = 0;  // [Pa] G*
