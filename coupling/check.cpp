@@ -90,6 +90,18 @@ dem::StableStep stable_step(const Setup& setup, const GrainEstimate& estimate, d
   return simulation->stable_step();
 }
 
+/// "linear; with floor: hertz_mindlin": between grains, then where it differs.
+template <class Text>
+std::string of_every_pair(const GrainsScene& part, const Text& text_of) {
+  const std::string own = text_of(part.interactions[0]);
+  std::string text = own;
+  for (std::size_t m = 1; m < part.materials.size(); ++m) {
+    const std::string other = text_of(part.interactions[m]);
+    if (other != own) text += fmt::format("; with {}: {}", part.materials[m].name, other);
+  }
+  return text;
+}
+
 std::string grains_text(const Setup& setup, const GrainEstimate& estimate) {
   const GrainsScene& part = *setup.scene.grains;
   const auto [smallest, largest] = std::minmax_element(
@@ -102,7 +114,10 @@ std::string grains_text(const Setup& setup, const GrainEstimate& estimate) {
                                  2e3 * largest->radius);
   text += fmt::format("  rotations: {}\n", part.rotations ? "on" : "off: no angular velocities");
   text += fmt::format("  friction: {}\n", any(&dem::Interaction::friction) ? "on, with contact history" : "off");
-  text += fmt::format("  rolling: {}\n", any(&dem::Interaction::rolling_friction) ? "on" : "off");
+  text += fmt::format("  contact law: {}\n", of_every_pair(part, [](const auto& pair) { return pair.law; }));
+  text += fmt::format("  rolling: {}\n", of_every_pair(part, [](const auto& pair) {
+                        return pair.rolling_friction > 0 ? pair.rolling : std::string("off");
+                      }));
   text += fmt::format("  walls: {} rigid, {} deformable skins\n", part.walls.size(), part.body_material.size());
   text += fmt::format("  backend: {}, {} thread{}\n", setup.backend == dem::Backend::cuda ? "cuda" : "omp",
                       setup.threads, setup.threads > 1 ? "s" : "");

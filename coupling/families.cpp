@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/histories.hpp"
 #include "base/text.hpp"
+#include "coupling/contact_tables.hpp"
 #include "coupling/scene.hpp"
 #include "coupling/scene_tables.hpp"
 
@@ -20,10 +21,23 @@ std::string describe_all(const base::Family& family) {
   return text;
 }
 
+std::string describe_all(const std::vector<base::Table>& rows, const std::string& head) {
+  std::string text = head + "\n";
+  for (const auto& row : rows)
+    text += "\n" + (row.parameters.empty() ? row.name + ": " + row.meaning + "\n" : base::describe(row));
+  return text;
+}
+
+constexpr const char* contact_keys =
+    "Young's modulus and Poisson ratio are the material's; the rest are keys of [grains], and of [[wall]] and\n"
+    "[body.contact] for a contact that is not as between grains.";
+
 std::string laws() {
-  return "hertz_mindlin: spheres with Hertz-Mindlin contact, restitution damping, Coulomb friction with history and\n"
-         "bounded rolling friction (Irazabal2017 3.2.3, 5.2.1). Parameters:\n\n" +
-         base::describe(grain_material_table()) + "\n" + base::describe(grains_table());
+  return describe_all(contact_law_tables(), "contact laws of grains (key `law`)\n" + std::string(contact_keys));
+}
+
+std::string rolling() {
+  return describe_all(rolling_model_tables(), "rolling models of grains (key `rolling`)\n" + std::string(contact_keys));
 }
 
 std::string elements() {
@@ -53,6 +67,7 @@ struct FamilyRow {
 // One row per family that `trackbed list` knows.
 const FamilyRow family_rows[] = {
     {"laws", laws},
+    {"rolling", rolling},
     {"elements", elements},
     {"materials", [] { return describe_all(material_family()); }},
     {"histories", [] { return describe_all(base::history_family("N")); }},

@@ -10,13 +10,15 @@
 #include <fstream>
 #include <sstream>
 
+#include "coupling/contact_tables.hpp"
+
 namespace coupling {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// Raise it whenever the packing procedure changes what comes out.
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
 /// FNV-1a, 64 bit.
 class Hash {
@@ -158,7 +160,9 @@ std::string packing_key(const Scene& scene, const std::vector<base::Skin>& skins
   for (const dem::Material& m : grains.materials)
     hash.add(m.young_modulus), hash.add(m.poisson_ratio), hash.add(m.density);
   for (const dem::Interaction& i : grains.interactions) {
-    hash.add(i.friction), hash.add(i.restitution), hash.add(i.rolling_friction);
+    hash.add(i.law), hash.add(i.rolling);
+    for (const auto& constant : contact_constants())
+      std::visit([&](const auto member) { hash.add(i.*member); }, constant.member);
   }
   for (const dem::Grain& grain : grains.list) hash.add(static_cast<std::uint64_t>(grain.id));
   for (const auto& [body, material] : grains.body_material) hash.add(body), hash.add(material);

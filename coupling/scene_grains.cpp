@@ -12,17 +12,6 @@ using base::Value;
 
 namespace {
 
-dem::Interaction read_interaction(const Value& table) {
-  return {table.at("friction").real(), table.at("restitution").real(), table.at("rolling_friction").real()};
-}
-
-/// What a wall or a skin does not say about its contact with grains is as between grains.
-void fill_interaction(Value& table, const Value& grains) {
-  for (const char* name : {"friction", "restitution", "rolling_friction"}) {
-    if (!table.has(name)) table.set(name, grains.at(name).data);
-  }
-}
-
 int add_material(GrainsScene& grains, dem::Material material, const dem::Interaction& with_grains) {
   grains.materials.push_back(std::move(material));
   const std::size_t n = grains.materials.size();
@@ -50,16 +39,18 @@ WallScene read_wall(Value& row, const Value& grains_table, GrainsScene& grains) 
     wall.mesh = row.at("mesh").text();
   }
   wall.mesh_parameters = read_numbers(row.at("mesh_parameters"));
-  if (!row.has("material")) {
+  const dem::Interaction contact = read_contact(row, &grains_table);
+  if (row.has("material")) refuse_elastic_constants(row.at("material"), contact);
+  dem::Material elastic{wall.name, grains.materials[0].young_modulus, grains.materials[0].poisson_ratio, 0};
+  if (row.has("material")) {
+    elastic.young_modulus = row.at("material").at("young_modulus").real();
+    elastic.poisson_ratio = row.at("material").at("poisson_ratio").real();
+  } else if (reads_elastic_constants(contact)) {
     Value& material = row.set("material", Value::Table{});
-    material.set("young_modulus", grains.materials[0].young_modulus);
-    material.set("poisson_ratio", grains.materials[0].poisson_ratio);
+    material.set("young_modulus", elastic.young_modulus);
+    material.set("poisson_ratio", elastic.poisson_ratio);
   }
-  fill_interaction(row, grains_table);
-  const Value& material = row.at("material");
-  wall.material =
-      add_material(grains, {wall.name, material.at("young_modulus").real(), material.at("poisson_ratio").real(), 0},
-                   read_interaction(row));
+  wall.material = add_material(grains, std::move(elastic), contact);
   wall.velocity = row.at("velocity").vector();
   wall.two_sided = row.at("two_sided").boolean();
   wall.packing_only = row.at("packing_only").boolean();
@@ -104,18 +95,22 @@ PackingLayer read_layer(const Value& row, const Value& root) {
   return layer;
 }
 
-Packing read_packing(Value& table, const Value& root) {
+Packing read_packing(Value& table, const Value& root, const dem::Interaction& contact) {
   const Value& grains = root.at("grains");
-  if (!table.has("young_modulus")) table.set("young_modulus", grains.at("material").at("young_modulus").data);
+  if (const Value* softened = table.find("young_modulus")) refuse_elastic_constants(*softened, contact);
+  if (const Value* rolling = table.find("rolling_friction"); rolling && !grains.has("rolling_friction"))
+    fail(*rolling, fmt::format("grains.rolling = \"{}\" has no rolling friction", contact.rolling), "remove it");
   for (const char* name : {"friction", "rolling_friction"}) {
-    if (!table.has(name)) table.set(name, grains.at(name).data);
+    if (!table.has(name) && grains.has(name)) table.set(name, grains.at(name).data);
   }
+  const Value& modulus = grains.at("material").at("young_modulus");
+  if (!table.has("young_modulus") && reads_elastic_constants(contact)) table.set("young_modulus", modulus.data);
   Packing packing;
   packing.grading = read_grading(table.at("grading"));
   packing.seed = static_cast<std::uint64_t>(table.at("seed").integer());
-  packing.young_modulus = table.at("young_modulus").real();
+  packing.young_modulus = (table.has("young_modulus") ? table.at("young_modulus") : modulus).real();
   packing.friction = table.at("friction").real();
-  packing.rolling_friction = table.at("rolling_friction").real();
+  if (table.has("rolling_friction")) packing.rolling_friction = table.at("rolling_friction").real();
   packing.target_porosity = table.at("target_porosity").real();
   packing.grain_damping = table.at("grain_damping").real();
   packing.plate_speed = table.at("plate_speed").real();
@@ -137,14 +132,17 @@ void build_contact(Value& body, const Value& grains_table, GrainsScene& grains) 
   if (!body.has("contact")) body.set("contact", Value::Table{});
   Value& contact = body.at("contact");
   const Value& material = body.at("material").list().front();
+  const dem::Interaction interaction = read_contact(contact, &grains_table);
   for (const char* name : {"young_modulus", "poisson_ratio"}) {
-    if (!contact.has(name)) contact.set(name, material.at(name).data);
+    if (const Value* stated = contact.find(name))
+      refuse_elastic_constants(*stated, interaction);
+    else if (reads_elastic_constants(interaction))
+      contact.set(name, material.at(name).data);
   }
-  fill_interaction(contact, grains_table);
+  const auto constant = [&](const char* name) { return (contact.has(name) ? contact : material).at(name).real(); };
   const std::string& name = body.at("name").text();
   grains.body_material[name] =
-      add_material(grains, {name, contact.at("young_modulus").real(), contact.at("poisson_ratio").real(), 0},
-                   read_interaction(contact));
+      add_material(grains, {name, constant("young_modulus"), constant("poisson_ratio"), 0}, interaction);
 }
 
 }  // namespace
@@ -159,7 +157,7 @@ void build_grains(Value& root, Scene& scene) {
     if (orphan) fail(*orphan, "there are no [grains] that it could belong to", "add [grains], or remove it");
     return;
   }
-  const Value& table = root.at("grains");
+  Value& table = root.at("grains");
   if (singles.empty() && !root.has("packing")) {
     fail(table, "there are no grains", "add [packing] or [[grain]], or remove [grains]");
   }
@@ -167,7 +165,10 @@ void build_grains(Value& root, Scene& scene) {
   const Value& material = table.at("material");
   grains.materials.push_back({material.at("name").text(), material.at("young_modulus").real(),
                               material.at("poisson_ratio").real(), material.at("density").real()});
-  grains.interactions.push_back(read_interaction(table));
+  grains.interactions.push_back(read_contact(table, nullptr));
+  const dem::Interaction contact = grains.interactions.front();
+  for (const auto& stage_row : root.rows("stage"))
+    if (stage_row.at("ramp_stiffness").boolean()) refuse_elastic_constants(stage_row.at("ramp_stiffness"), contact);
   grains.neighbour_skin = table.at("neighbour_skin").real();
   grains.maximum_overlap = table.at("maximum_overlap").real();
   grains.rotations = table.at("rotations").boolean();
@@ -183,7 +184,7 @@ void build_grains(Value& root, Scene& scene) {
   require_unique(walls, "wall");
   for (auto& row : walls) grains.walls.push_back(read_wall(row, table, grains));
   for (auto& row : root.at("body").list()) build_contact(row, table, grains);
-  if (root.has("packing")) grains.packing = read_packing(root.at("packing"), root);
+  if (root.has("packing")) grains.packing = read_packing(root.at("packing"), root, contact);
   scene.grains = std::move(grains);
 }
 

@@ -25,6 +25,14 @@ std::map<std::string, double> read_numbers(const base::Value&);
 /// Throws when a .geo file does not hold one of the parameters.
 void require_mesh_parameters(const base::Value& table_with_mesh);
 
+// ---- scene_contacts.cpp
+/// Law, rolling and constants of a table. What a partner of the grains does not say is as in `grains`; null: `table` is
+/// the grains' own. Throws on a constant that the law lacks, and on one that it does not read.
+dem::Interaction read_contact(base::Value& table, const base::Value* grains);
+bool reads_elastic_constants(const dem::Interaction&);
+/// Throws when the contact's law reads no elastic constants; `value` states some.
+void refuse_elastic_constants(const base::Value& value, const dem::Interaction&);
+
 // ---- one for each part of the file; `root` is the checked scene
 void build_stages(base::Value& root, Scene&);
 void build_bodies(base::Value& root, Scene&);

@@ -1,6 +1,7 @@
 #include "coupling/scene_tables.hpp"
 
 #include "base/histories.hpp"
+#include "coupling/contact_tables.hpp"
 #include "fem/fem.hpp"
 
 namespace coupling {
@@ -35,20 +36,10 @@ const Table& cut_table() {
   return table;
 }
 
-base::Parameter friction(const char* with) {
-  return base::real("friction", "", std::string("Coulomb coefficient ") + with).at_least(0);
-}
-base::Parameter restitution(const char* with) {
-  return base::real("restitution", "", std::string("normal coefficient of restitution ") + with).above(0).at_most(1);
-}
-base::Parameter rolling_friction(const char* with) {
-  return base::real("rolling_friction", "", std::string("rolling friction ") + with + ", Irazabal2017 5.3").at_least(0);
-}
-base::Parameter young_modulus(const char* of) {
-  return base::real("young_modulus", "Pa", std::string("Young's modulus of ") + of).above(0);
-}
-base::Parameter poisson_ratio(const char* of) {
-  return base::real("poisson_ratio", "", std::string("Poisson ratio of ") + of).above(-1).at_most(0.5);
+/// The parameters of a table, one list after the other.
+std::vector<base::Parameter> joined(std::vector<base::Parameter> first, const std::vector<base::Parameter>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
 }
 constexpr const char* own = "the grains' own";
 }  // namespace
@@ -78,7 +69,7 @@ const Table& time_table() {
 const Table& grain_material_table() {
   static const Table table{
       "grains.material",
-      "elastic grains: Hertz-Mindlin contact, Irazabal2017 3.2.3",
+      "elastic grains; also where the contact law reads no elastic constants, they limit the step",
       {base::name("name", "for messages").otherwise("grains"), young_modulus("the grains"), poisson_ratio("the grains"),
        base::real("density", "kg/m3", "density of the grains").above(0)}};
   return table;
@@ -86,16 +77,16 @@ const Table& grain_material_table() {
 
 const Table& grains_table() {
   static const Table table{
-      "grains",
-      "what all grains share; without this table there is no DEM",
-      {base::table("material", grain_material_table(), "of the grains"), friction("between grains"),
-       restitution("between grains"), rolling_friction("between grains").otherwise(0.0),
-       base::boolean("rotations", "grains may turn").otherwise(true),
-       base::real("neighbour_skin", "m", "margin of the neighbour list; 0: chosen").at_least(0).otherwise(0.0),
-       base::real("maximum_overlap", "", "overlap over the smaller radius above which a run is declared unstable")
-           .above(0)
-           .at_most(1)
-           .otherwise(0.3)}};
+      "grains", "what all grains share; without this table there is no DEM",
+      joined(
+          {base::table("material", grain_material_table(), "of the grains"),
+           base::boolean("rotations", "grains may turn").otherwise(true),
+           base::real("neighbour_skin", "m", "margin of the neighbour list; 0: chosen").at_least(0).otherwise(0.0),
+           base::real("maximum_overlap", "", "overlap over the smaller radius above which a run is declared unstable")
+               .above(0)
+               .at_most(1)
+               .otherwise(0.3)},
+          grain_contact_parameters())};
   return table;
 }
 
@@ -115,18 +106,17 @@ const Table& wall_material_table() {
 }
 
 const Table& wall_table() {
-  static const Table table{"wall",
-                           "a rigid wall for the grains",
-                           {base::name("name", "for messages and probes"),
-                            base::table("plane", plane_table(), "an infinite plane").optional("`mesh` instead"),
-                            base::path("mesh", "a surface from a .stl, .msh or .geo file").optional("`plane` instead"),
-                            base::numbers("mesh_parameters", "", "numbers set in the .geo").otherwise_empty(),
-                            base::table("material", wall_material_table(), "of the wall").optional(own),
-                            friction("with grains").optional(own), restitution("with grains").optional(own),
-                            rolling_friction("with grains").optional(own),
-                            base::vector("velocity", "m/s", "rigid translation").otherwise(Vec3{}),
-                            base::boolean("two_sided", "grains may touch a mesh from either side").otherwise(false),
-                            base::boolean("packing_only", "taken away when the packing is done").otherwise(false)}};
+  static const Table table{
+      "wall", "a rigid wall for the grains",
+      joined({base::name("name", "for messages and probes"),
+              base::table("plane", plane_table(), "an infinite plane").optional("`mesh` instead"),
+              base::path("mesh", "a surface from a .stl, .msh or .geo file").optional("`plane` instead"),
+              base::numbers("mesh_parameters", "", "numbers set in the .geo").otherwise_empty(),
+              base::table("material", wall_material_table(), "of the wall").optional(own),
+              base::vector("velocity", "m/s", "rigid translation").otherwise(Vec3{}),
+              base::boolean("two_sided", "grains may touch a mesh from either side").otherwise(false),
+              base::boolean("packing_only", "taken away when the packing is done").otherwise(false)},
+             partner_contact_parameters())};
   return table;
 }
 
@@ -150,8 +140,11 @@ const Table& packing_table() {
            .at_least(0)
            .at_most(1),
        base::integer("seed", "of the random numbers").at_least(0).otherwise(1),
-       young_modulus("the grains while packing").optional(own), friction("while packing").optional(own),
-       rolling_friction("while packing").optional(own),
+       young_modulus("the grains while packing").optional(own),
+       base::real("friction", "", "Coulomb coefficient while packing, where it is lower").at_least(0).optional(own),
+       base::real("rolling_friction", "", "rolling friction while packing, where it is lower")
+           .at_least(0)
+           .optional(own),
        base::real("target_porosity", "", "decides how many grains are poured").above(0).below(1).otherwise(0.4),
        base::real("grain_damping", "1/s", "artificial damping -alpha m v while packing").at_least(0).otherwise(0.0),
        base::real("plate_speed", "m/s", "of the levelling plate").above(0).otherwise(0.2),
@@ -202,12 +195,10 @@ const Family& load_family() {
 }
 
 const Table& contact_table() {
-  static const Table table{
-      "body.contact",
-      "how the body's skin meets grains",
-      {young_modulus("the skin").optional("the body's first material"),
-       poisson_ratio("the skin").optional("the body's first material"), friction("with grains").optional(own),
-       restitution("with grains").optional(own), rolling_friction("with grains").optional(own)}};
+  static const Table table{"body.contact", "how the body's skin meets grains",
+                           joined({young_modulus("the skin").optional("the body's first material"),
+                                   poisson_ratio("the skin").optional("the body's first material")},
+                                  partner_contact_parameters())};
   return table;
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/energy.hpp"
@@ -173,6 +174,14 @@ class Simulation {
   virtual Counts counts() const = 0;
   virtual Backend backend() const = 0;
 };
+
+/// A row of laws.hpp, for programs that list and check what a user chooses.
+struct LawText {
+  std::string_view name, text, source;
+  std::vector<std::string_view> parameters;  // of the materials and of the pair, by their names in a scene
+};
+std::vector<LawText> contact_law_texts();
+std::vector<LawText> rolling_model_texts();
 
 /// Number of OMP threads the OMP backend uses from now on.
 void set_threads(int);

@@ -51,6 +51,22 @@ const double linear_to_hertz = std::sqrt(1.2);
 
 }  // namespace
 
+namespace {
+template <class Table>
+std::vector<LawText> texts(const Table& table) {
+  std::vector<LawText> all;
+  for_each_law(table, [&](const auto& row) {
+    all.push_back({row.name, row.text, row.source, {}});
+    for (const auto& name : row.parameters)
+      if (!name.empty()) all.back().parameters.push_back(name);
+  });
+  return all;
+}
+}  // namespace
+
+std::vector<LawText> contact_law_texts() { return texts(laws); }
+std::vector<LawText> rolling_model_texts() { return texts(rolling_models); }
+
 kernels::PairParameters hertz_pair(const Material& a, const Material& b, const Interaction& interaction) {
   require_elastic(a);
   require_elastic(b);

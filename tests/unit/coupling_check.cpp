@@ -55,11 +55,21 @@ TEST(Check, GrainsAloneStartNoFiniteElements) {
   expect_in(text, "grains: 1 listed, diameters 200.0 .. 200.0 mm\n");
   expect_in(text, "rotations: off: no angular velocities\n");
   expect_in(text, "friction: off\n");
+  expect_in(text, "contact law: hertz_mindlin\n");
   expect_in(text, "rolling: off\n");
   expect_in(text, "bodies: none: no PETSc\n");
   expect_in(text, "coupling: none: no exchange\n");
   expect_in(text, "stage fall: 1 s, measured from its start\n");
   expect_in(text, "0 FEM steps\n");
+}
+
+TEST(Check, LawsAreNamedPairByPair) {
+  const std::string wall =
+      "[[wall]]\nname = \"floor\"\nplane = { point = [0, 0, 0], normal = [0, 0, 1] }\nlaw = \"hysteretic\"\n"
+      "damping_mode = 1\n";
+  const std::string text = check_of(one_grain + wall, {{"grains.rolling", "type_a"}, {"grains.rolling_friction", "1"}});
+  expect_in(text, "contact law: hertz_mindlin; with floor: hysteretic\n");
+  expect_in(text, "rolling: type_a\n");
 }
 
 TEST(Check, BodiesAloneStartNoGrains) {

@@ -124,6 +124,12 @@ TEST_F(PackingCache, KeyFollowsWhatDecidesThePacking) {
   other = scene;
   other.grains->walls[0].plane->point.z = -0.1;
   EXPECT_NE(key, coupling::packing_key(other, {}, dem::Backend::omp));
+  other = scene;
+  other.grains->interactions[0].law = "hysteretic";
+  EXPECT_NE(key, coupling::packing_key(other, {}, dem::Backend::omp));
+  other = scene;
+  other.grains->interactions[0].damping_mode = 1;
+  EXPECT_NE(key, coupling::packing_key(other, {}, dem::Backend::omp));
   // The same square, its facets and nodes numbered differently, as another number of ranks may do.
   base::Skin one{"ground", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, -1}, {0, 2, 3, -1}}};
   base::Skin two{"ground", {{1, 1, 0}, {0, 1, 0}, {0, 0, 0}, {1, 0, 0}}, {{2, 0, 1, -1}, {3, 0, 2, -1}}};
