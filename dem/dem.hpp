@@ -76,6 +76,23 @@ struct Plane {
   Vec3 point, normal;
 };
 
+/// A wall that moves as one rigid body under the grains' forces, its weight and a load: a sleeper, or (guided, without
+/// weight) a plate under a servo that holds a force.
+struct WallBody {
+  Vec3 centre{};                         // [m] centre of mass
+  double mass = 0;                       // [kg]
+  Vec3 inertia{};                        // [kg m2] principal moments, about axes along x, y, z at the start
+  std::array<bool, 3> moves{}, turns{};  // free along and about x, y, z; held otherwise
+  bool weighs = true;                    // feels gravity
+  double damping = 0;                    // [1/s] force -damping m v, torque likewise
+};
+/// Where such a wall is, and what it feels.
+struct WallBodyState {
+  Vec3 centre, velocity, angular_velocity;  // [m], [m/s], [rad/s]
+  kernels::Quaternion orientation;          // from the start
+  Vec3 contact_force, contact_torque;       // [N], [N m] of the grains on the wall, about the centre
+};
+
 struct Setup {
   std::vector<Material> materials;
   std::vector<Interaction> interactions;  // row-major materials × materials, symmetric
@@ -146,6 +163,12 @@ class Simulation {
   virtual void remove_wall(int wall) = 0;
   /// Rigid translation with this velocity from now on (planes and meshes).
   virtual void set_wall_velocity(int wall, Vec3) = 0;
+  /// From now on the wall is a rigid body at rest, without load. Throws base::UserError: no mass, or a free turn
+  /// without moment of inertia.
+  virtual void set_wall_body(int wall, const WallBody&) = 0;
+  /// Load on such a wall from now on, at its centre.
+  virtual void set_wall_load(int wall, Vec3 force, Vec3 torque) = 0;
+  virtual WallBodyState wall_body(int wall) const = 0;
   /// Nodes of a mesh move linearly, over the next advance(), from where they are to these positions; velocities
   /// likewise.
   virtual void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) = 0;

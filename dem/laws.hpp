@@ -143,6 +143,33 @@ TRACKBED_HD decltype(auto) with_law_number(int number, Use&& use) {
   }
 }
 
+/// Numbers that the law of this number keeps. (Functors, not lambdas: nvcc must compile them for the device.)
+struct HistoryOf {
+  template <class Law>
+  TRACKBED_HD int operator()(Law) const {
+    return Law::history;
+  }
+};
+TRACKBED_HD inline int law_history(int number) { return with_law_number(number, HistoryOf{}); }
+
+/// One function of device code: all laws inlined into every kernel take the compiler a quarter of an hour.
+#if defined(__CUDACC__)
+#define TRACKBED_ONE_FUNCTION __noinline__
+#else
+#define TRACKBED_ONE_FUNCTION
+#endif
+template <bool Ledger, class Real>
+struct PressWith {
+  const kernels::PairParameters& pair;
+  const kernels::Touch<Real>& touch;
+  const kernels::Interval& time;
+  Real* numbers;
+  template <class Law>
+  TRACKBED_ONE_FUNCTION TRACKBED_HD kernels::Reaction<Real> operator()(Law) const {
+    return Law::template press<Ledger>(pair, touch, time, numbers);
+  }
+};
+
 /// The law is looked up for every contact: where laws are mixed, and where speed does not matter.
 struct AnyLaw {
   static constexpr int history = 5;  // the most that one of them has
@@ -151,18 +178,15 @@ struct AnyLaw {
   TRACKBED_HD static kernels::Reaction<Real> press(const kernels::PairParameters& pair,
                                                    const kernels::Touch<Real>& touch, const kernels::Interval& time,
                                                    Real* numbers) {
-    return with_law_number(pair.law,
-                           [&](auto law) { return decltype(law)::template press<Ledger>(pair, touch, time, numbers); });
+    return with_law_number(pair.law, PressWith<Ledger, Real>{pair, touch, time, numbers});
   }
 };
 
-/// k_t [N/m] of a contact after press().
+/// k_t [N/m] of a contact after press(): the last of the law's numbers.
 template <class Real>
 TRACKBED_HD Real shear_stiffness_of(const kernels::PairParameters& pair, const Real* numbers) {
-  return with_law_number(pair.law, [&](auto law) {
-    constexpr int history = decltype(law)::history;
-    return history > 0 ? numbers[history > 0 ? history - 1 : 0] : Real{};
-  });
+  const int history = law_history(pair.law);
+  return history > 0 ? numbers[history - 1] : Real{};
 }
 
 }  // namespace dem

@@ -14,8 +14,10 @@
 #include <vtkTypeInt64Array.h>
 #include <vtkXMLPolyDataWriter.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <numbers>
+#include <set>
 #include <system_error>
 
 #include "base/error.hpp"
@@ -42,7 +44,7 @@ std::unordered_map<std::int64_t, std::size_t> index_by_id(std::span<const Grain>
   return index;
 }
 
-/// Contacts of every grain, with grains and with walls.
+/// Of every grain: the grains it touches, and its contacts with walls.
 std::vector<int> coordination(std::span<const Grain> grains, std::span<const GrainContact> grain_contacts,
                               std::span<const WallContact> wall_contacts) {
   const auto index = index_by_id(grains);
@@ -50,12 +52,29 @@ std::vector<int> coordination(std::span<const Grain> grains, std::span<const Gra
   const auto add = [&](std::int64_t id) {
     if (const auto found = index.find(id); found != index.end()) ++count[found->second];
   };
+  std::set<std::pair<std::int64_t, std::int64_t>> neighbours;  // clumps touch at several spheres
   for (const auto& contact : grain_contacts) {
+    if (!neighbours.insert(std::minmax(contact.id_i, contact.id_j)).second) continue;
     add(contact.id_i);
     add(contact.id_j);
   }
   for (const auto& contact : wall_contacts) add(contact.id);
   return count;
+}
+
+const Clump& shape_of(const Grain& grain, std::span<const Clump> shapes) {
+  base::require_internal(grain.shape < static_cast<int>(shapes.size()), "a grain of unknown shape");
+  return shapes[static_cast<std::size_t>(grain.shape)];
+}
+
+/// Radius [m] of that sphere of a grain that is centred here.
+double radius_at(const Grain& grain, const Vec3& centre, std::span<const Clump> shapes) {
+  if (grain.shape < 0) return grain.radius;
+  const auto spheres = placed_spheres(grain, shapes);
+  return std::min_element(
+             spheres.begin(), spheres.end(),
+             [&](const Sphere& a, const Sphere& b) { return norm2(a.position - centre) < norm2(b.position - centre); })
+      ->radius;
 }
 
 /// A named array with one tuple of `components` doubles, stored as `Array`'s type, per item.
@@ -100,8 +119,24 @@ void write_file(const fs::path& file, vtkPolyData* data) {
 
 }  // namespace
 
+double volume(const Grain& grain, std::span<const Clump> shapes) {
+  const double size = grain.shape < 0 ? grain.radius : grain.radius / shape_of(grain, shapes).reach;
+  const double of_unit_size = grain.shape < 0 ? 4.0 / 3.0 * std::numbers::pi : shape_of(grain, shapes).volume;
+  return of_unit_size * size * size * size;
+}
+
+std::vector<Sphere> placed_spheres(const Grain& grain, std::span<const Clump> shapes) {
+  if (grain.shape < 0) return {{grain.position, grain.radius}};
+  const Clump& shape = shape_of(grain, shapes);
+  const double size = grain.radius / shape.reach;
+  std::vector<Sphere> spheres;
+  for (const Sphere& s : shape.spheres)
+    spheres.push_back({grain.position + to_space(grain.orientation, size * s.position), size * s.radius});
+  return spheres;
+}
+
 std::vector<SymmetricStress> grain_stress(std::span<const Grain> grains, std::span<const GrainContact> grain_contacts,
-                                          std::span<const WallContact> wall_contacts) {
+                                          std::span<const WallContact> wall_contacts, std::span<const Clump> shapes) {
   const auto index = index_by_id(grains);
   std::vector<SymmetricStress> stress(grains.size(), SymmetricStress{});
   const auto add = [&](std::int64_t id, const auto& lever, const Vec3& force) {
@@ -113,25 +148,28 @@ std::vector<SymmetricStress> grain_stress(std::span<const Grain> grains, std::sp
     const double distance = norm(branch);
     if (distance == 0) continue;  // two grains on one spot: no direction, no lever
     const Vec3 direction = branch * (1.0 / distance);
-    const auto lever = [&](const Grain& grain) { return grain.radius - 0.5 * contact.overlap; };
+    // From the grain's centre to the middle of the overlap, by the sphere that touches.
+    const auto lever = [&](const Grain& grain, const Vec3& centre, double sign) {
+      return centre - grain.position + direction * (sign * (radius_at(grain, centre, shapes) - 0.5 * contact.overlap));
+    };
     add(
-        contact.id_i, [&](const Grain& grain) { return direction * lever(grain); }, contact.force);
+        contact.id_i, [&](const Grain& grain) { return lever(grain, contact.position_i, 1); }, contact.force);
     add(
-        contact.id_j, [&](const Grain& grain) { return direction * -lever(grain); }, -contact.force);
+        contact.id_j, [&](const Grain& grain) { return lever(grain, contact.position_j, -1); }, -contact.force);
   }
   for (const auto& contact : wall_contacts)
     add(
-        contact.id, [&](const Grain&) { return contact.point - contact.grain_position; }, contact.force);
+        contact.id, [&](const Grain& grain) { return contact.point - grain.position; }, contact.force);
   for (std::size_t i = 0; i < grains.size(); ++i) {
-    const double radius = grains[i].radius;
-    const double volume = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
-    for (double& component : stress[i]) component /= volume;
+    const double solid = volume(grains[i], shapes);
+    for (double& component : stress[i]) component /= solid;
   }
   return stress;
 }
 
-Writer::Writer(fs::path run_directory, std::span<const Grain> reference)
+Writer::Writer(fs::path run_directory, std::span<const Grain> reference, std::vector<Clump> shapes)
     : run_directory_(std::move(run_directory)),
+      shapes_(std::move(shapes)),
       grains_collection_(run_directory_ / "grains.pvd"),
       contacts_collection_(run_directory_ / "contacts.pvd") {
   make_folder(run_directory_ / "grains");
@@ -141,8 +179,15 @@ Writer::Writer(fs::path run_directory, std::span<const Grain> reference)
 
 void Writer::write(double time, std::span<const Grain> grains, std::span<const GrainContact> grain_contacts,
                    std::span<const WallContact> wall_contacts) {
-  const std::size_t n = grains.size();
-  const auto stress_values = grain_stress(grains, grain_contacts, wall_contacts);
+  struct Point {
+    std::size_t grain;
+    Sphere sphere;
+  };
+  std::vector<Point> spheres;
+  for (std::size_t g = 0; g < grains.size(); ++g)
+    for (const Sphere& sphere : placed_spheres(grains[g], shapes_)) spheres.push_back({g, sphere});
+  const std::size_t n = spheres.size();
+  const auto stress_values = grain_stress(grains, grain_contacts, wall_contacts, shapes_);
   const auto contact_numbers = coordination(grains, grain_contacts, wall_contacts);
 
   // Positions and displacements in double: settlements are microns on metres. Pictures need no more than float
@@ -160,19 +205,20 @@ void Writer::write(double time, std::span<const Grain> grains, std::span<const G
   auto stress = named_array<vtkFloatArray>("stress", 6, n);
   auto vertical_stress = named_array<vtkFloatArray>("vertical_stress", 1, n);
   for (std::size_t i = 0; i < n; ++i) {
-    const Grain& grain = grains[i];
+    const auto& [g, sphere] = spheres[i];
+    const Grain& grain = grains[g];
     const auto item = static_cast<vtkIdType>(i);
-    points->SetPoint(item, grain.position.x, grain.position.y, grain.position.z);
+    points->SetPoint(item, sphere.position.x, sphere.position.y, sphere.position.z);
     vertices->InsertNextCell(1, &item);
     id->SetValue(item, grain.id);
-    radius->SetValue(item, grain.radius);
+    radius->SetValue(item, sphere.radius);
     set_vector(velocity, i, grain.velocity);
     set_vector(angular_velocity, i, grain.angular_velocity);
     const auto start = reference_.find(grain.id);
     set_vector(displacement, i, start == reference_.end() ? Vec3{} : grain.position - start->second);
-    contacts->SetValue(item, contact_numbers[i]);
-    stress->SetTuple(item, stress_values[i].data());
-    vertical_stress->SetValue(item, static_cast<float>(stress_values[i][2]));
+    contacts->SetValue(item, contact_numbers[g]);
+    stress->SetTuple(item, stress_values[g].data());
+    vertical_stress->SetValue(item, static_cast<float>(stress_values[g][2]));
   }
 
   vtkNew<vtkPolyData> data;

@@ -24,21 +24,28 @@ namespace dem {
 /// xx, yy, zz, xy, yz, xz: the order VTK and ParaView give a symmetric tensor. [Pa], tension positive.
 using SymmetricStress = std::array<double, 6>;
 
+/// Volume [m3] of a grain's solid; `shapes`: as given to Simulation::add_shape(), in that order.
+double volume(const Grain&, std::span<const Clump> shapes);
+
+/// The spheres of a grain where it is.
+std::vector<Sphere> placed_spheres(const Grain&, std::span<const Clump> shapes);
+
 /// Stress of every grain, in the order of `grains`. Contacts of grains that are not among them are ignored. The contact
 /// point of two grains lies in the middle of their overlap; that of a grain and a wall is the wall's.
 std::vector<SymmetricStress> grain_stress(std::span<const Grain> grains, std::span<const GrainContact>,
-                                          std::span<const WallContact>);
+                                          std::span<const WallContact>, std::span<const Clump> shapes = {});
 
 /// Writes the grains of one run, time level after time level. Not for every step: it works on host copies.
 /// Every member throws base::MachineError, naming the file, when the disk fails.
 class Writer {
  public:
   /// Makes RUN/grains. `reference`: the grains whose positions are the zero of displacement.
-  Writer(std::filesystem::path run_directory, std::span<const Grain> reference);
+  Writer(std::filesystem::path run_directory, std::span<const Grain> reference, std::vector<Clump> shapes = {});
 
-  /// RUN/grains/grains_NNNN.vtp and a line in RUN/grains.pvd. Point data: id, radius [m], velocity [m/s],
-  /// angular_velocity [rad/s], displacement [m] since the reference (zero for a grain it does not hold),
-  /// coordination [-] (contacts with grains and walls), stress [Pa] and vertical_stress [Pa] (its zz component).
+  /// RUN/grains/grains_NNNN.vtp and a line in RUN/grains.pvd. A point for every sphere of every grain, with the
+  /// sphere's radius [m] and its grain's id, velocity [m/s], angular_velocity [rad/s], displacement [m] of the centre
+  /// since the reference (zero for a grain it does not hold), coordination [-] (grains and wall contacts it has),
+  /// stress [Pa] and vertical_stress [Pa] (its zz component).
   void write(double time, std::span<const Grain>, std::span<const GrainContact>, std::span<const WallContact>);
 
   /// RUN/contacts/contacts_NNNN.vtp and a line in RUN/contacts.pvd: one segment per contact, centre to centre, or
@@ -48,6 +55,7 @@ class Writer {
 
  private:
   std::filesystem::path run_directory_;
+  std::vector<Clump> shapes_;
   std::unordered_map<std::int64_t, Vec3> reference_;  // [m] position by grain id
   base::Pvd grains_collection_, contacts_collection_;
   int grain_levels_ = 0, contact_levels_ = 0;

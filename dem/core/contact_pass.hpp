@@ -82,7 +82,7 @@ struct ContactPass {
   }
 
   template <bool Ledger>
-  TRACKBED_HD void press(int c) const {
+  TRACKBED_ONE_FUNCTION TRACKBED_HD void press(int c) const {
     const int i = first[c], j = second[c];
     Meeting meeting;
     if (!geometry.meet(i, j, meeting)) {
@@ -124,7 +124,7 @@ struct ContactPass {
 
   /// The pair has come apart: its springs let go of what they stored.
   template <bool Ledger>
-  TRACKBED_HD void leave(int c) const {
+  TRACKBED_ONE_FUNCTION TRACKBED_HD void leave(int c) const {
     result[c] = {};
     if (couple) couple[c] = {};
     if constexpr (Ledger) {

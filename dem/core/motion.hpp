@@ -1,6 +1,7 @@
 #pragma once
 // How the nodes of walls move within a step.
 #include "dem/core/rows.hpp"
+#include "dem/kernels/rotation.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -30,6 +31,22 @@ struct MoveRigidly {
     velocity[node] = wall_velocity;
     displacement[node] = dt * wall_velocity;
     position[node] += displacement[node];
+  }
+};
+
+/// Nodes of a rigid body.
+struct MoveBody {
+  Vec3 *position, *velocity, *displacement;
+  const Vec3* offset;  // from the centre, in the body's axes
+  int first;
+  Vec3 centre, centre_velocity, angular_velocity;
+  kernels::Quaternion orientation;
+  TRACKBED_HD void operator()(int index) const {
+    const int node = first + index;
+    const Vec3 arm = to_space(orientation, offset[node]), now = centre + arm;
+    displacement[node] = now - position[node];
+    position[node] = now;
+    velocity[node] = centre_velocity + cross(angular_velocity, arm);
   }
 };
 

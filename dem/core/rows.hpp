@@ -58,6 +58,7 @@ struct WallRow {
   int two_sided = 0;
   int moves = 0;      // its nodes have velocities and displacements
   int interface = 0;  // its work counts as interface work
+  int body = 0;       // it is part of the system: its work on grains is internal
   int nodal = 0;      // nodal impulses are kept
 };
 /// State of one (grain, facet) candidate; all zero while it carries no force. Its law's history lies beside it.

@@ -33,6 +33,9 @@ class System final : public Simulation {
   int add_mesh(const base::Skin&, int material, bool two_sided) override;
   void remove_wall(int wall) override;
   void set_wall_velocity(int wall, Vec3) override;
+  void set_wall_body(int wall, const WallBody&) override;
+  void set_wall_load(int wall, Vec3 force, Vec3 torque) override;
+  WallBodyState wall_body(int wall) const override;
   void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) override;
   void nodal_impulse(int wall, std::span<Vec3> impulse) const override;
   Vec3 wall_impulse_on_grains(int wall) const override;
@@ -74,6 +77,8 @@ class System final : public Simulation {
   template <class Law>
   void press_walls(const kernels::Interval&, double ended);
   double leap(const Phase&, double dt);
+  void feel_walls();
+  void finish_walls(double dt);
   PairSearch sort(const CellGrid&, Vector<int>& bucket, Vector<int>& bucket_start);
   bool sweeps() const;
   ContactNumbers numbers_of(const kernels::PairParameters&) const;

@@ -16,7 +16,7 @@ inline void System::advance(int n, double dt) {
   last_dt_ = dt;
   prepare(dt);
   for (int k = 1; k <= n; ++k) {
-    if (walls_.any()) walls_.move(k, n, dt);
+    if (walls_.any()) walls_.move(k, n, dt, setup_.gravity);
     const double squared = leap({.ends = k > 1, .ended = dt, .begins = true}, dt);
     ++steps_;
     if (!(squared < HUGE_VAL)) stop_unstable(0, k * dt);
@@ -24,6 +24,7 @@ inline void System::advance(int n, double dt) {
     evaluate({0.5 * dt, 0.5 * dt}, dt);
     const int trouble = first_of(trouble_);
     if (trouble) stop_unstable(trouble, k * dt);
+    if (walls_.bodies()) finish_walls(dt);
   }
   if (n > 0) leap({.ends = true, .ended = dt, .begins = false}, dt);
   time_ += n * dt;
@@ -44,6 +45,7 @@ inline void System::prepare(double dt) {
     evaluate({-last_ahead_, 0.5 * dt}, 0);
     const int trouble = first_of(trouble_);
     if (trouble) stop_unstable(trouble, 0);
+    if (walls_.bodies()) feel_walls();
     leap({.ends = true, .ended = 0, .begins = false}, dt);
   }
   if (setup_.track_energy && !gravity_referenced_) {
@@ -51,6 +53,26 @@ inline void System::prepare(double dt) {
     gravity_referenced_ = true;
   }
   forces_are_stale_ = false;
+}
+
+/// Forces of the grains on walls that are bodies.
+inline void System::feel_walls() {
+  for (std::size_t k = 0; k < walls_.walls.size(); ++k) {
+    auto& body = walls_.walls[k].body;
+    if (!body) continue;
+    const auto sum = ordered_sum<6>(
+        near_walls_.size(),
+        SumWallForce{pointer(near_walls_.state), pointer(near_walls_.candidate), pointer(near_walls_.grain_of),
+                     pointer(walls_.facets), pointer(grains_.place), static_cast<int>(k), body->state.centre});
+    body->state.contact_force = Vec3{sum.value[0], sum.value[1], sum.value[2]};
+    body->state.contact_torque = Vec3{sum.value[3], sum.value[4], sum.value[5]};
+  }
+}
+
+inline void System::finish_walls(double dt) {
+  feel_walls();
+  for (HostWall& wall : walls_.walls)
+    if (wall.body) Walls::finish_body(*wall.body, dt, setup_.gravity);
 }
 
 /// Grains that move fast want a thick skin (few builds), grains at rest a thin one (few candidates).
@@ -158,7 +180,7 @@ inline SweepLayout System::sweep_layout() const {
   layout.lanes = setup_.lanes ? setup_.lanes : sweep_lanes();
   layout.materials = static_cast<int>(setup_.materials.size());
   for (const auto& pair : grain_parameters_host_) {
-    const int history = with_law_number(pair.law, [](auto law) { return decltype(law)::history; });
+    const int history = law_history(pair.law);
     layout.numbers.push_back(contact_numbers(history, setup_.track_energy, pair.rolling));
     const SweepChoice choice{
         .law = pair.law, .rolling = pair.rolling, .ledger = setup_.track_energy, .turns = setup_.rotations};
@@ -277,8 +299,10 @@ inline double System::leap(const Phase& phase, double dt) {
                               .dt = dt};
   const Vec3* listed = pointer(grains_.listed);
   const int n = grains_.size();
+#if !defined(TRACKBED_DEM_CUDA)
   if (bodies_.any() && sweeps()) return leap_bodies(integrator, SummedForces{}, phase);
   if (sweeps()) return reduce(n, Leapfrog<SummedForces>{integrator, {}, listed, phase}, 0.0, thrust::maximum<double>());
+#endif
   const GatheredForces forces{pointer(grains_.place), pointer(pairs_.own_start), pointer(pairs_.other_start),
                               pointer(pairs_.other),  pointer(pairs_.result),    pointer(pairs_.couple)};
   if (bodies_.any()) return leap_bodies(integrator, forces, phase);

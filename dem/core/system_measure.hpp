@@ -73,6 +73,13 @@ inline base::Energy System::pending() const {
   e.work_interface = walls.value[6];
   e.loss_rolling = grains.value[0] + pairs.value[4] + walls.value[4];
   e.loss_damping = grains.value[1];
+  for (const HostWall& wall : walls_.walls) {
+    if (!wall.body) continue;
+    e.kinetic += wall.body->kinetic();
+    e.work_loads += wall.body->work_loads;
+    e.work_gravity += wall.body->work_gravity;
+    e.loss_damping += wall.body->loss_damping;
+  }
   return e;
 }
 
@@ -85,6 +92,10 @@ inline void System::flush_losses() {
   totals_.loss_damping += e.loss_damping;
   totals_.work_walls += e.work_walls;
   totals_.work_interface += e.work_interface;
+  totals_.work_loads += e.work_loads;
+  totals_.work_gravity += e.work_gravity;
+  for (HostWall& wall : walls_.walls)
+    if (wall.body) wall.body->work_loads = wall.body->work_gravity = wall.body->loss_damping = 0;
   launch(static_cast<int>(pairs_.ledger.size()), ClearPairLosses{pointer(pairs_.ledger)});
   launch(static_cast<int>(near_walls_.ledger.size()), ClearWallLosses{pointer(near_walls_.ledger)});
   clear(grains_.ledger);
@@ -102,12 +113,15 @@ inline base::Energy System::energy() const {
   e.loss_damping += p.loss_damping;
   e.work_walls += p.work_walls;
   e.work_interface += p.work_interface;
+  e.work_loads += p.work_loads;
+  e.work_gravity += p.work_gravity;
   if (gravity_referenced_) e.work_gravity += gravity_potential() - gravity_reference_;
-  e.kinetic = bodies_.any()
-                  ? ordered_sum<1>(bodies_.size(), SumBodyKinetic{bodies_.states(), pointer(bodies_.orientation),
-                                                                  pointer(bodies_.inertia)})
-                        .value[0]
-                  : ordered_sum<1>(grains_.size(), SumKinetic{grains_.states()}).value[0];
+  e.kinetic = p.kinetic;
+  e.kinetic += bodies_.any()
+                   ? ordered_sum<1>(bodies_.size(), SumBodyKinetic{bodies_.states(), pointer(bodies_.orientation),
+                                                                   pointer(bodies_.inertia)})
+                         .value[0]
+                   : ordered_sum<1>(grains_.size(), SumKinetic{grains_.states()}).value[0];
   return e;
 }
 

@@ -69,7 +69,7 @@ inline ContactNumbers System::numbers_of(const kernels::PairParameters& pair) co
   const int law = smooth_ ? 0 : mixed_laws_ ? AnyLaw::history : kernels::HertzMindlin::history;
   const bool ledger = setup_.track_energy;
   ContactNumbers numbers = contact_numbers(law, ledger, couples_ ? rolling_c : no_rolling);
-  const int own = with_law_number(pair.law, [](auto one) { return decltype(one)::history; });
+  const int own = law_history(pair.law);
   numbers.flips = contact_numbers(own, ledger, no_rolling).flips;
   if (couples_) numbers.flips |= 7u << numbers.law;
   return numbers;
@@ -205,6 +205,31 @@ inline void System::remove_wall(int wall) {
 inline void System::set_wall_velocity(int wall, Vec3 velocity) {
   require_wall(wall);
   walls_.set_velocity(wall, velocity);
+}
+
+inline void System::set_wall_body(int wall, const WallBody& body) {
+  require_wall(wall);
+  base::require_user(body.mass > 0, "dem: a wall that moves as a body needs a mass > 0");
+  for (int axis = 0; axis < 3; ++axis)
+    base::require_user(!body.turns[axis] || body.inertia[axis] > 0,
+                       "dem: a wall that may turn needs a moment of inertia > 0 about that axis");
+  base::require_user(download(walls_.facets)[walls_.walls[wall].first_facet].node[1] >= 0,
+                     "dem: a plane cannot be a body: it has no end; use a mesh");
+  walls_.set_body(wall, body);
+  list_is_stale_ = forces_are_stale_ = true;
+}
+
+inline void System::set_wall_load(int wall, Vec3 force, Vec3 torque) {
+  require_wall(wall);
+  base::require_internal(walls_.walls[wall].body.has_value(), "a load on a wall that is no body");
+  walls_.walls[wall].body->force = force;
+  walls_.walls[wall].body->torque = torque;
+}
+
+inline WallBodyState System::wall_body(int wall) const {
+  require_wall(wall);
+  base::require_internal(walls_.walls[wall].body.has_value(), "the state of a wall that is no body");
+  return walls_.walls[wall].body->state;
 }
 
 inline void System::set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) {

@@ -10,6 +10,7 @@ struct WallColumns {
   Vector<int> grain, start;  // grains with candidates
   Vector<WallSum> sum;
   Vector<int> candidate;  // facet
+  Vector<int> grain_of;   // grain of each candidate; empty while no wall is a body
   Vector<WallState> state;
   Vector<double> history;  // history_stride numbers per candidate
   int history_stride = 0;
@@ -21,9 +22,9 @@ struct WallColumns {
   int size() const { return static_cast<int>(candidate.size()); }
   int near_grains() const { return static_cast<int>(grain.size()); }
   std::size_t bytes() const {
-    return bytes_of(slot) + bytes_of(grain) + bytes_of(start) + bytes_of(sum) + bytes_of(candidate) + bytes_of(state) +
-           bytes_of(history) + bytes_of(impulse) + bytes_of(nodal) + bytes_of(ledger) + bytes_of(node_start) +
-           bytes_of(node_entry);
+    return bytes_of(slot) + bytes_of(grain) + bytes_of(start) + bytes_of(sum) + bytes_of(candidate) +
+           bytes_of(grain_of) + bytes_of(state) + bytes_of(history) + bytes_of(impulse) + bytes_of(nodal) +
+           bytes_of(ledger) + bytes_of(node_start) + bytes_of(node_entry);
   }
 };
 
@@ -64,6 +65,14 @@ inline void link_nodes(const Walls& walls, WallColumns& list) {
   bucket_starts(node, nodes, list.node_start);
 }
 
+struct NameGrains {
+  const int *grain, *start;
+  int* grain_of;
+  TRACKBED_HD void operator()(int w) const {
+    for (int c = start[w]; c < start[w + 1]; ++c) grain_of[c] = grain[w];
+  }
+};
+
 inline WallColumns build_walls(const Grains& grains, const Walls& walls, const CellGrid& grid, const WallColumns& old,
                                const WallOptions& options) {
   WallColumns list;
@@ -102,6 +111,10 @@ inline WallColumns build_walls(const Grains& grains, const Walls& walls, const C
                    pointer(grains.old_of_new), had ? pointer(old.slot) : nullptr, pointer(old.start),
                    pointer(old.candidate), pointer(old.state), pointer(old.history), pointer(list.history),
                    old.history_stride, list.history_stride});
+  if (walls.bodies()) {
+    list.grain_of.resize(candidates);
+    launch(list.near_grains(), NameGrains{pointer(list.grain), pointer(list.start), pointer(list.grain_of)});
+  }
   if (walls.nodal()) {
     list.nodal.resize(candidates);
     link_nodes(walls, list);

@@ -167,7 +167,8 @@ struct WallPass {
     }
   }
 
-  TRACKBED_HD void press(int c, int g, const Vec3& vector, const double* weights, WallSum& total) const {
+  TRACKBED_ONE_FUNCTION TRACKBED_HD void press(int c, int g, const Vec3& vector, const double* weights,
+                                               WallSum& total) const {
     const Place p = place[g];
     const Facet& facet = geometry.facet[candidate[c]];
     const WallRow& wall = geometry.wall[facet.wall];
@@ -238,7 +239,7 @@ struct WallPass {
     }
   }
 
-  TRACKBED_HD void leave(int c, int g) const {
+  TRACKBED_ONE_FUNCTION TRACKBED_HD void leave(int c, int g) const {
     WallState& s = state[c];
     if (ledger) {
       WallLedger& l = ledger[c];

@@ -1,6 +1,8 @@
 #pragma once
 // The walls themselves: geometry on the backend, motion, and how far they have moved since the last list build.
 #include <algorithm>
+#include <array>
+#include <optional>
 
 #include "base/error.hpp"
 #include "dem/core/grains.hpp"
@@ -9,7 +11,38 @@
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
-enum class WallMotion { fixed, rigid, target };
+enum class WallMotion { fixed, rigid, target, body };
+
+/// A wall as a rigid body. Between two calls of advance() the velocities are those of the instant, within one those of
+/// the half step.
+struct MovingBody {
+  WallBody is;
+  WallBodyState state;
+  Vec3 force, torque;                                         // [N], [N m] load
+  double reach = 0;                                           // [m] of the farthest node from the centre
+  double work_loads = 0, work_gravity = 0, loss_damping = 0;  // [J] since the last flush
+
+  Vec3 acceleration(const Vec3& gravity) const {
+    const Vec3 free = (1 / is.mass) * (state.contact_force + force) + (is.weighs ? gravity : Vec3{});
+    return masked(free - is.damping * state.velocity, is.moves);
+  }
+  Vec3 whole_torque() const {
+    const Vec3 damping = is.damping * kernels::angular_momentum(turning(), moments());
+    return masked(state.contact_torque + torque - damping, is.turns);
+  }
+  kernels::RigidRotation turning() const { return {state.orientation, state.angular_velocity}; }
+  /// Moments of inertia, 1 where nothing turns.
+  Vec3 moments() const {
+    return {is.turns[0] ? is.inertia.x : 1, is.turns[1] ? is.inertia.y : 1, is.turns[2] ? is.inertia.z : 1};
+  }
+  bool turns() const { return is.turns[0] || is.turns[1] || is.turns[2]; }
+  static Vec3 masked(const Vec3& v, const std::array<bool, 3>& free) {
+    return {free[0] ? v.x : 0, free[1] ? v.y : 0, free[2] ? v.z : 0};
+  }
+  double kinetic() const {
+    return 0.5 * is.mass * norm2(state.velocity) + (turns() ? kernels::rotational_energy(turning(), moments()) : 0);
+  }
+};
 
 struct HostWall {
   int first_node = 0, nodes = 0, first_facet = 0, facets = 0;
@@ -20,6 +53,7 @@ struct HostWall {
   std::vector<Vec3> from{}, to{};       // [m] of the present target motion, on the host
   std::vector<Vec3> listed{};           // [m] at the last list build
   double shift_from = 0, shift_to = 0;  // [m] largest node displacement since the list build, at the ends of the way
+  std::optional<MovingBody> body{};     // of WallMotion::body
   Vec3 impulse{};                       // [N s] on grains in the present advance(), flushed part
 };
 
@@ -40,6 +74,7 @@ class Walls {
   Vector<Vec3> position;
   Vector<Vec3> velocity, displacement;                                  // empty while nothing has moved
   Vector<Vec3> from_position, from_velocity, to_position, to_velocity;  // empty without target motions
+  Vector<Vec3> body_offset;   // [m] of nodes from their body's centre; empty without bodies
   Vector<Vec3> node_impulse;  // [N s] flushed part; empty without coupled meshes
 
   bool any() const { return !walls.empty(); }
@@ -65,8 +100,8 @@ class Walls {
     walls.push_back(wall);
     rows_host.push_back(row);
     rows_changed = true;
-    for (auto* v :
-         {&velocity, &displacement, &from_position, &from_velocity, &to_position, &to_velocity, &node_impulse})
+    for (auto* v : {&body_offset, &velocity, &displacement, &from_position, &from_velocity, &to_position, &to_velocity,
+                    &node_impulse})
       if (!v->empty()) v->resize(position.size());
     return number;
   }
@@ -92,6 +127,33 @@ class Walls {
     w.motion = WallMotion::rigid;
     mark(wall, true, false);
     launch(w.nodes, MoveRigidly{pointer(position), pointer(velocity), pointer(displacement), w.first_node, v, 0});
+  }
+
+  void set_body(int wall, const WallBody& is) {
+    HostWall& w = walls[wall];
+    allocate_motion();
+    forget_target(wall);
+    stop(wall);
+    MovingBody body;
+    body.is = is;
+    body.state.centre = is.centre;
+    std::vector<Vec3> offsets(w.nodes);
+    thrust::copy(position.begin() + w.first_node, position.begin() + w.first_node + w.nodes, offsets.begin());
+    for (Vec3& offset : offsets) {
+      offset -= is.centre;
+      body.reach = std::max(body.reach, norm(offset));
+    }
+    body_offset.resize(position.size());
+    thrust::copy(offsets.begin(), offsets.end(), body_offset.begin() + w.first_node);
+    w.body = body;
+    w.motion = WallMotion::body;
+    mark(wall, true, false);
+    rows_host[wall].body = 1;
+    rows_changed = true;
+  }
+
+  bool bodies() const {
+    return std::any_of(walls.begin(), walls.end(), [](const HostWall& w) { return w.motion == WallMotion::body; });
   }
 
   /// Returns true when this is the first target of the wall, from which on its nodal impulses are kept.
@@ -144,9 +206,11 @@ class Walls {
   }
 
   /// Step k of n.
-  void move(int k, int n, double dt) {
+  void move(int k, int n, double dt, const Vec3& gravity) {
     for (HostWall& w : walls) {
-      if (w.motion == WallMotion::rigid) {
+      if (w.motion == WallMotion::body) {
+        move_body(w, dt, gravity);
+      } else if (w.motion == WallMotion::rigid) {
         launch(w.nodes,
                MoveRigidly{pointer(position), pointer(velocity), pointer(displacement), w.first_node, w.velocity, dt});
         w.rigid_shift += dt * w.velocity;
@@ -174,6 +238,7 @@ class Walls {
   void listed_here(double share) {
     for (HostWall& w : walls) {
       w.rigid_shift = {};
+      if (w.motion == WallMotion::body) w.shift_from = 0;
       if (w.listed.empty()) continue;
       if (w.motion != WallMotion::target || w.fresh_target) {
         w.listed.clear();
@@ -194,14 +259,52 @@ class Walls {
   }
 
   std::size_t bytes() const {
-    std::size_t total = bytes_of(rows) + bytes_of(facets) + bytes_of(planes);
+    std::size_t total = bytes_of(rows) + bytes_of(facets) + bytes_of(planes) + bytes_of(body_offset);
     for (const auto* v : {&position, &velocity, &displacement, &from_position, &from_velocity, &to_position,
                           &to_velocity, &node_impulse})
       total += bytes_of(*v);
     return total;
   }
 
+  /// Second half of a body's step (velocity Verlet); its contact force and torque are those of the new instant.
+  static void finish_body(MovingBody& b, double dt, const Vec3& gravity) {
+    // The damping is implicit, as that of grains is.
+    const double half = 0.5 * dt, hold = 1 / (1 + b.is.damping * half);
+    MovingBody undamped = b;
+    undamped.is.damping = 0;
+    b.state.velocity = hold * (b.state.velocity + half * undamped.acceleration(gravity));
+    if (b.turns()) {
+      auto turning = b.turning();
+      kernels::ZhaoVanWachem::finish_step(turning, b.moments(), undamped.whole_torque(), dt);
+      b.state.angular_velocity = hold * MovingBody::masked(turning.angular_velocity, b.is.turns);
+    }
+    b.loss_damping += 2 * dt * b.is.damping * b.kinetic();
+  }
+
  private:
+  void move_body(HostWall& w, double dt, const Vec3& gravity) {
+    MovingBody& b = *w.body;
+    const double half = 0.5 * dt;
+    const Vec3 acceleration = b.acceleration(gravity);
+    b.state.velocity += half * acceleration;
+    b.state.centre += dt * b.state.velocity;
+    Vec3 seen_turning;
+    if (b.turns()) {
+      const Vec3 torque = b.whole_torque();
+      auto turning = b.turning();
+      kernels::ZhaoVanWachem::begin_step(turning, b.moments(), torque, dt);
+      b.state.orientation = turning.orientation;
+      b.state.angular_velocity = MovingBody::masked(turning.angular_velocity, b.is.turns);
+      kernels::ZhaoVanWachem::finish_step(turning, b.moments(), torque, dt);
+      seen_turning = MovingBody::masked(turning.angular_velocity, b.is.turns);
+    }
+    b.work_loads += dt * (dot(b.force, b.state.velocity) + dot(b.torque, b.state.angular_velocity));
+    if (b.is.weighs) b.work_gravity += dt * b.is.mass * dot(gravity, b.state.velocity);
+    w.shift_from += dt * (norm(b.state.velocity) + b.reach * norm(b.state.angular_velocity));
+    launch(w.nodes,
+           MoveBody{pointer(position), pointer(velocity), pointer(displacement), pointer(body_offset), w.first_node,
+                    b.state.centre, b.state.velocity + half * acceleration, seen_turning, b.state.orientation});
+  }
   void allocate_motion() {
     velocity.resize(position.size());
     displacement.resize(position.size());
@@ -226,6 +329,9 @@ class Walls {
     HostWall& w = walls[wall];
     w.motion = WallMotion::fixed;
     w.velocity = {};
+    w.body.reset();
+    rows_changed = rows_changed || rows_host[wall].body;
+    rows_host[wall].body = 0;
     w.fresh_target = false;
     mark(wall, false, rows_host[wall].interface);
     if (velocity.empty()) return;

@@ -1,0 +1,114 @@
+// Walls that are rigid bodies: free fall, a guided plate that holds a force, and the impact of a free bar.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "dem/dem.hpp"
+
+namespace {
+
+using dem::Vec3;
+
+dem::Setup setup_of(double friction, double restitution) {
+  dem::Setup setup;
+  setup.materials = {{"stone", 1e8, 0.25, 2500}};
+  setup.interactions = {{friction, restitution, 0}};
+  setup.gravity = {0, 0, -9.81};
+  return setup;
+}
+
+base::Skin plate(double half_length, double half_width, double height) {
+  base::Skin skin;
+  skin.nodes = {{-half_length, -half_width, height},
+                {-half_length, half_width, height},
+                {half_length, half_width, height},
+                {half_length, -half_width, height}};
+  skin.facets = {{0, 1, 2, 3}};  // its normal points down
+  return skin;
+}
+
+TEST(DemWallBody, FallsFreelyWhereItMay) {
+  const auto sim = dem::Simulation::create(setup_of(0.5, 0.5), dem::Backend::omp);
+  const int wall = sim->add_mesh(plate(0.1, 0.1, 1), 0, true);
+  sim->set_wall_body(wall, {.centre = {0, 0, 1}, .mass = 3, .moves = {true, false, true}});
+  sim->set_wall_load(wall, {6, 5, 0}, {});
+  sim->advance(1000, 1e-4);
+  const auto body = sim->wall_body(wall);
+  EXPECT_NEAR(body.centre.x, 0.5 * 2 * 0.01, 1e-14);
+  EXPECT_EQ(body.centre.y, 0);
+  EXPECT_NEAR(body.centre.z, 1 - 0.5 * 9.81 * 0.01, 1e-13);
+  EXPECT_NEAR(body.velocity.z, -0.981, 1e-13);
+  const auto e = sim->energy();
+  EXPECT_NEAR(e.kinetic, 1.5 * (0.981 * 0.981 + 0.2 * 0.2), 1e-12);
+  EXPECT_NEAR(e.work_gravity, 1.5 * 0.981 * 0.981, 1e-12);
+  EXPECT_NEAR(e.work_loads, 1.5 * 0.04, 1e-12);
+}
+
+// A plate without weight pressed on one sphere with F: Hertz's overlap on both sides, (3 F / 4 E* sqrt(R))^(2/3) above
+// and with the sphere's weight more below.
+TEST(DemWallBody, GuidedPlateHoldsItsForce) {
+  const auto sim = dem::Simulation::create(setup_of(0.5, 0.3), dem::Backend::omp);
+  const double radius = 0.02, force = 20;
+  sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
+  sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, radius}, .radius = radius, .id = 1}});
+  const int wall = sim->add_mesh(plate(0.1, 0.1, 2 * radius), 0, false);
+  sim->set_wall_body(
+      wall, {.centre = {0, 0, 2 * radius}, .mass = 0.1, .moves = {false, false, true}, .weighs = false, .damping = 50});
+  sim->set_wall_load(wall, {0, 0, -force}, {});
+  sim->advance(40000, 1e-5);
+  const double modulus = 1 / (2 * (1 - 0.25 * 0.25) / 1e8);
+  const double weight = 2500 * 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3) * 9.81;
+  const auto overlap = [&](double f) { return std::pow(0.75 * f / (modulus * std::sqrt(radius)), 2.0 / 3.0); };
+  const auto body = sim->wall_body(wall);
+  EXPECT_NEAR(body.contact_force.z, force, 1e-6 * force);
+  EXPECT_NEAR(body.centre.z, 2 * radius - overlap(force) - overlap(force + weight), 1e-9);
+  const auto e = sim->energy();
+  EXPECT_NEAR(e.stored() + e.losses(), e.works(), 1e-3 * e.works());
+}
+
+// A free bar falls with its end on a free sphere, elastic, without friction or gravity. Impulse along z at the lever d:
+// J = (1 + e) v / (1/M + 1/m + d^2/I); the sphere leaves with J/m, the bar turns with J d / I.
+TEST(DemWallBody, FreeBarStrikesWithItsEnd) {
+  auto setup = setup_of(0, 1);
+  setup.materials[0].young_modulus = 1e10;
+  setup.gravity = {};
+  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const double radius = 0.02, lever = 0.08, mass = 0.5, inertia = 2e-3, drop = 1e-6;
+  sim->add_grains(
+      std::vector<dem::Grain>{{.position = {lever, 0, 0}, .radius = radius, .velocity = {0, 0, 0.1}, .id = 1}});
+  const int wall = sim->add_mesh(plate(0.1, 0.1, radius + drop), 0, false);
+  sim->set_wall_body(wall, {.centre = {0, 0, radius + drop},
+                            .mass = mass,
+                            .inertia = {inertia, inertia, inertia},
+                            .moves = {true, true, true},
+                            .turns = {true, true, true}});
+  sim->advance(20000, 1e-7);
+  ASSERT_EQ(sim->counts().wall_contacts, 0);
+  const double sphere = 2500 * 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3);
+  const double impulse = 2 * 0.1 / (1 / mass + 1 / sphere + lever * lever / inertia);
+  const auto body = sim->wall_body(wall);
+  EXPECT_NEAR(body.velocity.z, impulse / mass, 1e-4 * impulse / mass);
+  EXPECT_NEAR(body.angular_velocity.y, -impulse * lever / inertia, 1e-4 * impulse * lever / inertia);
+  EXPECT_NEAR(sim->grains()[0].velocity.z, 0.1 - impulse / sphere, 1e-4 * impulse / sphere);
+  EXPECT_NEAR(sim->energy().kinetic, 0.5 * sphere * 0.01, 1e-6 * sphere * 0.005);
+}
+
+TEST(DemWallBody, RefusesWhatCannotMove) {
+  const auto sim = dem::Simulation::create(setup_of(0, 1), dem::Backend::omp);
+  const int plane = sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0), mesh = sim->add_mesh(plate(1, 1, 1), 0, false);
+  const auto text = [&](int wall, const dem::WallBody& body) -> std::string {
+    try {
+      sim->set_wall_body(wall, body);
+    } catch (const base::UserError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  EXPECT_NE(text(mesh, {}).find("needs a mass > 0"), std::string::npos);
+  EXPECT_NE(text(mesh, {.mass = 1, .turns = {true, false, false}}).find("moment of inertia > 0"), std::string::npos);
+  EXPECT_NE(text(plane, {.mass = 1}).find("a plane cannot be a body"), std::string::npos);
+}
+
+}  // namespace
