@@ -77,6 +77,41 @@ TEST(Runs, ExistingResultsAreKept) {
   EXPECT_EQ(slurp(out / "history.csv"), "precious");
 }
 
+// Nobody stops root: as root the program is copied to where everybody may read it and started as another user.
+TEST(Runs, FolderWithoutWritePermissionIsRefused) {
+  const fs::path place = regression::scratch() / "locked", program = regression::scratch() / "trackbed_for_all";
+  fs::create_directories(place);
+  fs::permissions(place, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::group_read | fs::perms::group_exec |
+                             fs::perms::others_read | fs::perms::others_exec);
+  fs::copy_file(TRACKBED_PROGRAM, program, fs::copy_options::overwrite_existing);
+  const fs::path file = regression::scratch() / "one_grain.toml", log = regression::scratch() / "locked.txt";
+  std::ofstream(file) << R"(
+[grains]
+friction = 0.5
+restitution = 0.5
+material = { young_modulus = "1 GPa", poisson_ratio = 0.2, density = 2700 }
+[[grain]]
+position = [0, 0, "1 m"]
+radius = "20 mm"
+[[stage]]
+name = "fall"
+duration = "1 ms"
+)";
+  const std::string other = geteuid() == 0 ? "setpriv --reuid=65534 --regid=65534 --clear-groups " : "";
+  const auto refuse = [&](const fs::path& out, const std::string& expected) {
+    const std::string command = "cd / && " + other + "'" + program.string() + "' run '" + file.string() + "' --out '" +
+                                out.string() + "' > '" + log.string() + "' 2>&1";
+    const int status = std::system(command.c_str());
+    const std::string text = slurp(log);
+    EXPECT_EQ(WEXITSTATUS(status), 2) << text;
+    EXPECT_NE(text.find(expected), std::string::npos) << text;
+    EXPECT_TRUE(fs::is_empty(place));
+  };
+  refuse(place, place.string() + ": no permission to write there; choose a folder of yours");
+  refuse(place / "results", "results: cannot be made (Permission denied); choose a place you may write to");
+  fs::permissions(place, fs::perms::owner_all);
+}
+
 TEST(Runs, OverlappingBodiesAreRefused) {
   const fs::path out = scratch() / "overlap";
   const auto finished = trackbed("run " + scene("quick/one_sleeper.toml") + " --out " + out.string() +
