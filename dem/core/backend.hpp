@@ -19,6 +19,7 @@
 #include <thrust/for_each.h>
 #include <thrust/functional.h>
 #include <thrust/iterator/counting_iterator.h>
+#include <thrust/reduce.h>
 #include <thrust/scan.h>
 #include <thrust/sequence.h>
 #include <thrust/sort.h>
@@ -134,17 +135,30 @@ void launch(int n, Functor functor) {
   if (n > 0) thrust::for_each_n(policy(), thrust::counting_iterator<int>(0), n, functor);
 }
 
+template <class T, class Functor>
+struct StoreResult {
+  Functor functor;
+  T* result;
+  TRACKBED_HD void operator()(int index) const { result[index] = functor(index); }
+};
+
 /// Reduction of functor(index) with an operation that does not depend on the order (maximum, logical or, integer sum).
+/// On a GPU the results are stored first: the reduction's kernels would take in twenty copies of the functor each.
 template <class T, class Functor, class Operation>
 T reduce(int n, Functor functor, T start, Operation operation) {
-#if !defined(TRACKBED_DEM_CUDA)
+  if (n <= 0) return start;
+#if defined(TRACKBED_DEM_CUDA)
+  Vector<T> results(n);
+  launch(n, StoreResult<T, Functor>{functor, pointer(results)});
+  return thrust::reduce(policy(), results.begin(), results.end(), start, operation);
+#else
   if (n <= serial_length) {
     for (int index = 0; index < n; ++index) start = operation(start, functor(index));
     return start;
   }
-#endif
   const thrust::counting_iterator<int> first(0);
-  return n > 0 ? thrust::transform_reduce(policy(), first, first + n, functor, start, operation) : start;
+  return thrust::transform_reduce(policy(), first, first + n, functor, start, operation);
+#endif
 }
 
 template <class T>
