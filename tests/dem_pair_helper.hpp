@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "dem/kernels/parallel_bond.hpp"
 #include "dem/laws.hpp"
 
 namespace dem_test {

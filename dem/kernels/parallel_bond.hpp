@@ -146,3 +146,13 @@ struct ParallelBond {
 };
 
 }  // namespace dem::kernels
+
+namespace dem {
+
+/// True for laws that pull and need the turning of the pair.
+template <class Law>
+concept Bonding = requires {
+  Law::bonds;
+};
+
+}  // namespace dem
