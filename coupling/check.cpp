@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <span>
 
 #include "base/text.hpp"
@@ -23,7 +24,7 @@ namespace {
 
 // Rough costs of one core, for the estimates only; tests/benchmarks measures them.
 constexpr double sphere_steps_per_second = 2.0e6, element_steps_per_second = 8.0e6;
-constexpr double bytes_per_grain = 3000;  // state, candidate pairs, contact memory of a packed bed
+constexpr double bytes_per_sphere = 3000;  // state, candidate pairs, contact memory of a packed bed
 
 struct GrainEstimate {
   std::vector<dem::Grain> grains;  // a list, a cached packing, or radii alone
@@ -66,12 +67,10 @@ GrainEstimate estimate_grains(const Setup& setup) {
   }
   dem::SieveCurve curve;
   for (const auto& row : packing.grading) curve.push_back({row.size, row.passing});
-  const auto radii = dem::sample_radii(curve, solid, packing.seed);
-  for (const double radius : radii) {
-    estimate.grains.emplace_back();
-    estimate.grains.back().radius = radius;
-  }
-  estimate.source = fmt::format("about {} to be packed into {:.3g} m3 at a porosity of {:.2f}", radii.size(),
+  const ShapeMix mix(packing, part.shapes);
+  const auto packed = mix.grains(dem::sample_radii(curve, solid / mix.solid(), packing.seed), packing.seed);
+  estimate.grains.insert(estimate.grains.end(), packed.begin(), packed.end());
+  estimate.source = fmt::format("about {} to be packed into {:.3g} m3 at a porosity of {:.2f}", packed.size(),
                                 estimate.packing_volume, packing.target_porosity);
   return estimate;
 }
@@ -83,9 +82,12 @@ dem::StableStep stable_step(const Setup& setup, const GrainEstimate& estimate, d
   one.materials[0].young_modulus = young_modulus;
   one.interactions = {setup.scene.grains->interactions[0]};
   one.track_energy = false;
-  const auto smallest = std::min_element(estimate.grains.begin(), estimate.grains.end(),
-                                         [](const auto& a, const auto& b) { return a.radius < b.radius; });
+  const auto& shapes = setup.scene.grains->shapes;
+  const auto smallest = std::min_element(
+      estimate.grains.begin(), estimate.grains.end(),
+      [&](const auto& a, const auto& b) { return smallest_sphere(a, shapes) < smallest_sphere(b, shapes); });
   const auto simulation = dem::Simulation::create(one, dem::Backend::omp);
+  add_shapes(*simulation, shapes);
   simulation->add_grains(std::span(&*smallest, 1));
   return simulation->stable_step();
 }
@@ -102,16 +104,35 @@ std::string of_every_pair(const GrainsScene& part, const Text& text_of) {
   return text;
 }
 
+/// "1234 spheres in all; stone1 (10 spheres): 60": diameters are then sieve sizes.
+std::string shapes_text(const GrainEstimate& estimate, const GrainsScene& part) {
+  std::vector<int> of_shape(part.shapes.size() + 1, 0);  // spheres first
+  for (const auto& grain : estimate.grains) ++of_shape[static_cast<std::size_t>(grain.shape + 1)];
+  if (of_shape[0] == static_cast<int>(estimate.grains.size())) return "spheres, no orientation";
+  std::vector<std::string> parts;
+  if (of_shape[0] > 0) parts.push_back(fmt::format("{} spheres", of_shape[0]));
+  for (std::size_t s = 0; s < part.shapes.size(); ++s)
+    if (of_shape[s + 1] > 0)
+      parts.push_back(fmt::format("{} {} of {} spheres", of_shape[s + 1], part.shapes[s].name,
+                                  part.shapes[s].clump.spheres.size()));
+  return fmt::format("{}; {} spheres in all; diameters are sieve sizes", base::join(parts),
+                     sphere_count(estimate.grains, part.shapes));
+}
+
 std::string grains_text(const Setup& setup, const GrainEstimate& estimate) {
   const GrainsScene& part = *setup.scene.grains;
-  const auto [smallest, largest] = std::minmax_element(
-      estimate.grains.begin(), estimate.grains.end(), [](const auto& a, const auto& b) { return a.radius < b.radius; });
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+  for (const auto& grain : estimate.grains) {
+    smallest = std::min(smallest, sieve_size(grain, part.shapes));
+    largest = std::max(largest, sieve_size(grain, part.shapes));
+  }
   const auto any = [&](double dem::Interaction::*member) {
     return std::any_of(part.interactions.begin(), part.interactions.end(),
                        [&](const auto& interaction) { return interaction.*member > 0; });
   };
-  std::string text = fmt::format("grains: {}, diameters {:.1f} .. {:.1f} mm\n", estimate.source, 2e3 * smallest->radius,
-                                 2e3 * largest->radius);
+  std::string text =
+      fmt::format("grains: {}, diameters {:.1f} .. {:.1f} mm\n", estimate.source, 1e3 * smallest, 1e3 * largest);
+  text += "  shapes: " + shapes_text(estimate, part) + "\n";
   text += fmt::format("  rotations: {}\n", part.rotations ? "on" : "off: no angular velocities");
   text += fmt::format("  friction: {}\n", any(&dem::Interaction::friction) ? "on, with contact history" : "off");
   text += fmt::format("  contact law: {}\n", of_every_pair(part, [](const auto& pair) { return pair.law; }));
@@ -182,7 +203,7 @@ Steps choose_steps(const Setup& setup, const std::optional<GrainEstimate>& estim
   return steps;
 }
 
-std::string cost_text(const Setup& setup, const Steps& steps, std::size_t grains) {
+std::string cost_text(const Setup& setup, const Steps& steps, std::int64_t spheres) {
   const Window window = choose_window(steps.dem, steps.fem);
   double duration = 0, elements = 0;
   for (const auto& stage : setup.scene.stages) duration += stage.duration;
@@ -197,11 +218,11 @@ std::string cost_text(const Setup& setup, const Steps& steps, std::size_t grains
     text +=
         fmt::format("  window {:.4g} s = {} DEM steps = {} FEM steps\n", window.length(), window.n_dem, window.n_fem);
   }
-  const double sphere_steps = windows * window.n_dem * static_cast<double>(grains);
+  const double sphere_steps = windows * window.n_dem * static_cast<double>(spheres);
   const double element_steps = windows * window.n_fem * elements;
   text += fmt::format("  {:.0f} windows: {:.0f} DEM steps, {:.0f} FEM steps\n", windows, windows * window.n_dem,
                       windows * window.n_fem);
-  const double memory = resident_bytes() + bytes_per_grain * static_cast<double>(grains);
+  const double memory = resident_bytes() + bytes_per_sphere * static_cast<double>(spheres);
   text += fmt::format("  memory: about {:.0f} MB\n", memory / 1e6);
   const double wall = sphere_steps / sphere_steps_per_second / setup.threads + element_steps / element_steps_per_second;
   text += fmt::format("  wall time: very roughly {} on this machine{}\n", duration_text(wall),
@@ -223,7 +244,7 @@ std::string check(const RunOptions& options) {
   if (!setup.roles->coupled) text += "coupling: none: no exchange\n";
   const Steps steps = choose_steps(setup, estimate);
   text += "steps:\n" + steps.text;
-  return text + cost_text(setup, steps, estimate ? estimate->grains.size() : 0);
+  return text + cost_text(setup, steps, estimate ? sphere_count(estimate->grains, scene.grains->shapes) : 0);
 }
 
 }  // namespace coupling

@@ -31,13 +31,13 @@ struct Lattice {
   }
 };
 
-/// Marks the points of one layer z = const that lie in grains of `touching`.
-void mark_layer(const Lattice& lattice, double z, std::span<const dem::Grain* const> touching,
+/// Marks the points of one layer z = const that lie in spheres of `touching`: a clump's overlaps count once.
+void mark_layer(const Lattice& lattice, double z, std::span<const dem::GrainSphere* const> touching,
                 std::vector<std::uint8_t>& solid) {
   std::fill(solid.begin(), solid.end(), std::uint8_t{0});
-  for (const dem::Grain* grain : touching) {
-    const Vec3& centre = grain->position;
-    const double disc = grain->radius * grain->radius - (z - centre.z) * (z - centre.z);
+  for (const dem::GrainSphere* sphere : touching) {
+    const Vec3& centre = sphere->position;
+    const double disc = sphere->radius * sphere->radius - (z - centre.z) * (z - centre.z);
     if (disc < 0) continue;
     const double half_y = std::sqrt(disc);
     for (auto j = lattice.first_from(1, centre.y - half_y); j < lattice.count[1]; ++j) {
@@ -61,14 +61,14 @@ bool contains(const Box& box, const Vec3& point) {
   return true;
 }
 
-double porosity(std::span<const dem::Grain> grains, const Box& box, double spacing, const PointFilter& filter) {
+double porosity(std::span<const dem::GrainSphere> spheres, const Box& box, double spacing, const PointFilter& filter) {
   const Lattice lattice(box, spacing);
-  std::vector<std::vector<const dem::Grain*>> touching(static_cast<std::size_t>(lattice.count[2]));
+  std::vector<std::vector<const dem::GrainSphere*>> touching(static_cast<std::size_t>(lattice.count[2]));
   if (lattice.count[0] == 0 || lattice.count[1] == 0 || lattice.count[2] == 0) return 1;
-  for (const dem::Grain& grain : grains) {
-    const auto end = lattice.first_from(2, grain.position.z + grain.radius);
-    for (auto k = lattice.first_from(2, grain.position.z - grain.radius); k < end; ++k) {
-      touching[static_cast<std::size_t>(k)].push_back(&grain);
+  for (const dem::GrainSphere& sphere : spheres) {
+    const auto end = lattice.first_from(2, sphere.position.z + sphere.radius);
+    for (auto k = lattice.first_from(2, sphere.position.z - sphere.radius); k < end; ++k) {
+      touching[static_cast<std::size_t>(k)].push_back(&sphere);
     }
   }
   std::vector<std::uint8_t> solid(static_cast<std::size_t>(lattice.count[0] * lattice.count[1]));
@@ -93,8 +93,12 @@ double coordination(std::span<const dem::Grain> grains, std::span<const dem::Gra
     if (contains(box, grain.position)) inside.insert(grain.id);
   }
   if (inside.empty()) return 0;
+  std::vector<std::pair<std::int64_t, std::int64_t>> neighbours;  // clumps touch at several spheres
+  for (const dem::GrainContact& contact : contacts) neighbours.push_back(std::minmax(contact.id_i, contact.id_j));
+  std::sort(neighbours.begin(), neighbours.end());
+  neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
   std::size_t ends = 0;
-  for (const dem::GrainContact& contact : contacts) ends += inside.count(contact.id_i) + inside.count(contact.id_j);
+  for (const auto& [one, other] : neighbours) ends += inside.count(one) + inside.count(other);
   return static_cast<double>(ends) / static_cast<double>(inside.size());
 }
 

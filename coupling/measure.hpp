@@ -11,12 +11,12 @@ namespace coupling {
 using PointFilter = std::function<bool(const Vec3&)>;
 
 /// Porosity [-]: share of the points of a cubic lattice (cell centres, spacing about `lattice` [m], fitted to the box)
-/// that lie in no grain. Overlaps count once. `filter`, when given, restricts the points; with no point left: 1.
-/// The error of one box is about lattice / grain diameter / sqrt(number of grains).
-double porosity(std::span<const dem::Grain>, const Box&, double lattice, const PointFilter& filter = {});
+/// that lie in no grain. Overlaps count once, those of a clump's own spheres as well. `filter`, when given, restricts
+/// the points; with no point left: 1. The error of one box is about lattice / grain diameter / sqrt(number of grains).
+double porosity(std::span<const dem::GrainSphere>, const Box&, double lattice, const PointFilter& filter = {});
 
-/// Mean number of force-carrying grain-grain contacts [-] of the grains whose centre lies in the box; contacts with
-/// grains outside count, contacts with walls do not. 0 without grains.
+/// Mean number of grains [-] that press on a grain whose centre lies in the box; those outside count, walls do not. 0
+/// without grains.
 double coordination(std::span<const dem::Grain>, std::span<const dem::GrainContact>, const Box&);
 
 /// Volume [m3] of the part of the box where the filter holds, by the same lattice.

@@ -7,12 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
+#include <unordered_set>
 
 #include "base/error.hpp"
 #include "coupling/measure.hpp"
 #include "dem/grading.hpp"
 #include "dem/insertion.hpp"
+#include "dem/output.hpp"
 
 namespace coupling {
 namespace {
@@ -35,10 +36,6 @@ dem::SieveCurve sieve_curve(const Packing& packing) {
   return curve;
 }
 
-double mass_over_density(const dem::Grain& grain) {
-  return 4.0 / 3.0 * std::numbers::pi * grain.radius * grain.radius * grain.radius;
-}
-
 /// Diameter [m] that half of the mass passes.
 double median_size(const dem::SieveCurve& curve) {
   double lower = 0, upper = curve.back().size;
@@ -56,6 +53,8 @@ Packer::Packer(const Scene& scene, const std::vector<base::Skin>& skins, dem::Ba
       packing_(*scene.grains->packing),
       skins_(skins),
       region_(scene, skins),
+      mix_(packing_, scene.grains->shapes),
+      clumps_(clumps(scene.grains->shapes)),
       terminal_(isatty(STDERR_FILENO) != 0) {
   dem::Setup setup;
   setup.materials = scene.grains->materials;
@@ -65,6 +64,7 @@ Packer::Packer(const Scene& scene, const std::vector<base::Skin>& skins, dem::Ba
   setup.skin = scene.grains->neighbour_skin;
   setup.track_energy = false;
   simulation_ = dem::Simulation::create(setup, backend);
+  add_shapes(*simulation_, scene.grains->shapes);
   simulation_->set_grain_damping(packing_.grain_damping);
   use_interactions(false);
   add_walls();
@@ -87,7 +87,7 @@ std::vector<dem::Grain> Packer::run(PackingReport& report) {
   cut_free();
   if (terminal_) fmt::print(stderr, "\r\033[K");
   std::vector<dem::Grain> grains = simulation_->grains();
-  report.porosity = region_.porosity(grains, median_size(sieve_curve(packing_)));
+  report.porosity = region_.porosity(simulation_->spheres(), median_size(sieve_curve(packing_)));
   report.coordination = coordination(grains, simulation_->grain_contacts(), region_.all());
   for (dem::Grain& grain : grains) grain.velocity = grain.angular_velocity = {};
   return grains;
@@ -140,17 +140,21 @@ void Packer::bring_bodies(std::size_t layer) {
 double Packer::clearing_lift(const Obstacle& obstacle) {
   constexpr double increment = 0.5e-3;  // [m]
   constexpr int most = 40;
-  const std::vector<dem::Grain> grains = simulation_->grains();
-  const auto touches = [&](const dem::Grain& grain, double lift) {
-    const Vec3 seen = grain.position - Vec3{0, 0, lift};  // the grain as the body in its place would see it
-    return obstacle.inside(seen) || obstacle.closer_than(seen, grain.radius);
+  const std::vector<dem::GrainSphere> spheres = simulation_->spheres();
+  const auto touches = [&](const dem::GrainSphere& sphere, double lift) {
+    const Vec3 seen = sphere.position - Vec3{0, 0, lift};  // the grain as the body in its place would see it
+    return obstacle.inside(seen) || obstacle.closer_than(seen, sphere.radius);
   };
   for (int i = 0; i < most; ++i) {
     const double lift = i * increment;
-    if (std::none_of(grains.begin(), grains.end(), [&](const dem::Grain& grain) { return touches(grain, lift); }))
+    if (std::none_of(spheres.begin(), spheres.end(), [&](const auto& sphere) { return touches(sphere, lift); }))
       return lift;
   }
-  const std::size_t removed = remove_if([&](const dem::Grain& grain) { return touches(grain, most * increment); });
+  std::unordered_set<std::int64_t> touching;
+  for (const dem::GrainSphere& sphere : spheres) {
+    if (touches(sphere, most * increment)) touching.insert(sphere.id);
+  }
+  const std::size_t removed = remove_if([&](const dem::Grain& grain) { return touching.count(grain.id) > 0; });
   spdlog::info("{} grains make room for a body", removed);
   return most * increment;
 }
@@ -163,19 +167,26 @@ void Packer::pour(std::size_t number) {
   const double free = region_.volume(number);
   const dem::SieveCurve curve = sieve_curve(packing_);
   const double solid = (1 - packing_.target_porosity) * free * (1 + layer.overfill);
-  if (solid < dem::mean_grain_volume(curve)) {
+  if (solid < mix_.solid() * dem::mean_grain_volume(curve)) {
     refuse(fmt::format(
         "the box has room for {:.3g} m3, less than one grain; bodies and walls fill it, or it is too small", free));
   }
-  const std::vector<double> radii = dem::sample_radii(curve, solid, packing_.seed + number);
+  const std::vector<double> sizes = dem::sample_radii(curve, solid / mix_.solid(), packing_.seed + number);
+  std::vector<dem::Grain> grains = mix_.grains(sizes, packing_.seed + 7000003 * (number + 1));
+  std::vector<dem::Sphere> around;
+  std::vector<double> radii;
+  for (const dem::Grain& grain : grains) {
+    around.push_back(sphere_around(grain, scene_.grains->shapes));
+    radii.push_back(around.back().radius);
+  }
 
   std::vector<dem::Sphere> existing;
-  for (const dem::Grain& grain : simulation_->grains()) existing.push_back({grain.position, grain.radius});
+  for (const dem::GrainSphere& sphere : simulation_->spheres()) existing.push_back({sphere.position, sphere.radius});
   const Vec3 size = layer.box.upper - layer.box.lower;
   dem::Insertion insertion;
   insertion.lower = layer.box.lower;
   insertion.upper = layer.box.upper;
-  insertion.upper.z = layer.box.lower.z + solid / pour_fraction * size.z / free;
+  insertion.upper.z = layer.box.lower.z + mix_.around() * solid / pour_fraction * size.z / free;
   insertion.seed = packing_.seed + 1000003 * (number + 1);
   insertion.existing = existing;
   insertion.room = [&](const dem::Sphere& s) { return region_.room(number, s.position, s.radius); };
@@ -185,16 +196,15 @@ void Packer::pour(std::size_t number) {
   } catch (const base::UserError& error) {
     refuse(error.what());
   }
-  std::vector<dem::Grain> grains(radii.size());
   for (std::size_t i = 0; i < grains.size(); ++i) {
-    grains[i].position = inserted.positions[i];
-    grains[i].radius = radii[i];
+    grains[i].position = inserted.positions[i] - around[i].position;  // which was taken round a grain at the origin
     grains[i].id = next_id_++;
   }
   simulation_->add_grains(grains);
   spdlog::info("layer {}: {} grains poured from {:.2f} m", number + 1, grains.size(), inserted.top - layer.box.lower.z);
   const double fall = std::sqrt(2 * (inserted.top - layer.box.lower.z) / norm(scene_.gravity));
-  settle(std::min(fall, layer.settle), layer.settle);
+  const double time = layer.settle * std::sqrt(mix_.around());  // what is poured from higher falls longer
+  settle(std::min(fall, time), time);
 }
 
 double Packer::step() const { return scene_.time.dem_fraction * simulation_->stable_step().limit; }
@@ -210,8 +220,9 @@ void Packer::settle(double earliest, double duration) {
     advance(std::min(chunk, duration - time));
     double kinetic = 0, scale = 0;  // both over density
     for (const dem::Grain& grain : simulation_->grains()) {
-      kinetic += 0.5 * mass_over_density(grain) * norm2(grain.velocity);
-      scale += mass_over_density(grain) * norm(scene_.gravity) * grain.radius;
+      const double solid = dem::volume(grain, clumps_);
+      kinetic += 0.5 * solid * norm2(grain.velocity);
+      scale += solid * norm(scene_.gravity) * grain.radius;
     }
     show(kinetic / scale);
     spdlog::debug("t = {:.3f} s: kinetic energy {:.2e} m g r", simulation_->time(), kinetic / scale);
@@ -236,7 +247,7 @@ void Packer::strike_off(double level) {
 
 void Packer::press(const PackingLayer& layer) {
   double top = layer.box.upper.z;
-  for (const dem::Grain& grain : simulation_->grains()) top = std::max(top, grain.position.z + grain.radius);
+  for (const dem::GrainSphere& sphere : simulation_->spheres()) top = std::max(top, sphere.position.z + sphere.radius);
   const double travel = top - layer.box.upper.z;
   const Vec3 middle = (layer.box.lower + layer.box.upper) * 0.5;
   const Vec3 size = layer.box.upper - layer.box.lower;

@@ -48,6 +48,8 @@ class Packer {
   const Packing& packing_;
   const std::vector<base::Skin>& skins_;
   PackingRegion region_;
+  ShapeMix mix_;
+  std::vector<dem::Clump> clumps_;
   std::unique_ptr<dem::Simulation> simulation_;
   std::vector<int> temporary_walls_;  // taken away when the packing is done
   std::int64_t next_id_ = 0;

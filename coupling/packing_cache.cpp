@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raise it whenever the packing procedure changes what comes out.
-constexpr int format_version = 2;
+constexpr int format_version = 3;
 
 /// FNV-1a, 64 bit.
 class Hash {
@@ -50,6 +50,8 @@ void add_packing(Hash& hash, const Packing& packing) {
                              packing.grain_damping, packing.plate_speed}) {
     hash.add(value);
   }
+  for (const int shape : packing.shapes) hash.add(shape);
+  for (const double share : packing.shape_shares) hash.add(share);
   for (const PackingLayer& layer : packing.layers) {
     hash.add(layer.box.lower), hash.add(layer.box.upper);
     hash.add(layer.overfill), hash.add(layer.settle), hash.add(layer.plate);
@@ -100,10 +102,15 @@ std::string header(const std::string& key, const PackingReport& report, const st
       format_version, key, report.grains, report.porosity, report.coordination, sum);
 }
 
+constexpr const char* columns = "id,x [m],y [m],z [m],radius [m]; of a clump also shape,orientation w,x,y,z";
+
 std::string body_of(std::span<const dem::Grain> grains) {
-  std::string text = "id,x [m],y [m],z [m],radius [m]\n";
+  std::string text = std::string(columns) + "\n";
   for (const dem::Grain& g : grains) {
-    text += fmt::format("{},{:a},{:a},{:a},{:a}\n", g.id, g.position.x, g.position.y, g.position.z, g.radius);
+    text += fmt::format("{},{:a},{:a},{:a},{:a}", g.id, g.position.x, g.position.y, g.position.z, g.radius);
+    const auto& q = g.orientation;
+    if (g.shape >= 0) text += fmt::format(",{},{:a},{:a},{:a},{:a}", g.shape, q.w, q.x, q.y, q.z);
+    text += '\n';
   }
   return text;
 }
@@ -134,9 +141,16 @@ std::vector<dem::Grain> parse(const std::string& text, const std::string& key, P
     dem::Grain grain;
     char* next = nullptr;
     grain.id = std::strtoll(at, &next, 10);
-    for (double* value : {&grain.position.x, &grain.position.y, &grain.position.z, &grain.radius}) {
-      if (*next != ',') fail("damaged");
-      *value = std::strtod(next + 1, &next);
+    const auto take = [&](std::initializer_list<double*> values) {
+      for (double* value : values) {
+        if (*next != ',') fail("damaged");
+        *value = std::strtod(next + 1, &next);
+      }
+    };
+    take({&grain.position.x, &grain.position.y, &grain.position.z, &grain.radius});
+    if (*next == ',') {
+      grain.shape = static_cast<int>(std::strtol(next + 1, &next, 10));
+      take({&grain.orientation.w, &grain.orientation.x, &grain.orientation.y, &grain.orientation.z});
     }
     if (*next != '\n') fail("damaged");
     at = next + 1;
@@ -166,6 +180,8 @@ std::string packing_key(const Scene& scene, const std::vector<base::Skin>& skins
   }
   for (const dem::Grain& grain : grains.list) hash.add(static_cast<std::uint64_t>(grain.id));
   for (const auto& [body, material] : grains.body_material) hash.add(body), hash.add(material);
+  for (const GrainShape& shape : grains.shapes)
+    for (const dem::Sphere& sphere : shape.clump.spheres) hash.add(sphere.position), hash.add(sphere.radius);
   add_packing(hash, *grains.packing);
   for (const WallScene& wall : grains.walls) {
     if (wall.plane) hash.add(*wall.plane);

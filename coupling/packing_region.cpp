@@ -129,14 +129,14 @@ bool PackingRegion::interior(const Vec3& p, double margin) const {
   return in_some_layer(p) && in_some_layer({p.x, p.y, p.z + margin}) && room(packing_.layers.size() - 1, p, margin);
 }
 
-double PackingRegion::porosity(std::span<const dem::Grain> grains, double margin) const {
+double PackingRegion::porosity(std::span<const dem::GrainSphere> spheres, double margin) const {
   for (double m = margin; m > 0.05 * margin; m *= 0.5) {
     const auto filter = [&](const Vec3& p) { return interior(p, m); };
     if (coupling::volume(all_, 2 * lattice_for(all_), filter) > 0) {
-      return coupling::porosity(grains, all_, 0.8 * lattice_for(all_), filter);
+      return coupling::porosity(spheres, all_, 0.8 * lattice_for(all_), filter);
     }
   }
-  return coupling::porosity(grains, all_, lattice_for(all_));
+  return coupling::porosity(spheres, all_, lattice_for(all_));
 }
 
 }  // namespace coupling

@@ -30,7 +30,7 @@ class PackingRegion {
   double volume(std::size_t layer) const;
   /// Porosity [-] of the interior: points of the layers farther than `margin` [m] from walls, sides, cuts, bodies and
   /// the layers' free tops; with less margin when nothing would be left.
-  double porosity(std::span<const dem::Grain>, double margin) const;
+  double porosity(std::span<const dem::GrainSphere>, double margin) const;
 
  private:
   bool interior(const Vec3&, double margin) const;

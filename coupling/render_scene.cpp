@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "coupling/render_canvas.hpp"
 #include "coupling/render_layers.hpp"
@@ -117,6 +118,14 @@ GrainColours colour_grains(vtkPolyData* grains) {
   return {"grain size [mm]", colours_for(range)};
 }
 
+/// A clump is written sphere by sphere.
+std::size_t number_of_grains(vtkPolyData* grains) {
+  vtkDataArray* id = grains->GetPointData()->GetArray("id");
+  std::set<double> different;
+  for (vtkIdType i = 0; id && i < id->GetNumberOfTuples(); ++i) different.insert(id->GetTuple1(i));
+  return id ? different.size() : static_cast<std::size_t>(grains->GetNumberOfPoints());
+}
+
 void draw_view(const RunDirectory& run, State state, const Moment& moment, const fs::path& png) {
   Canvas canvas;
   std::string more;
@@ -124,7 +133,7 @@ void draw_view(const RunDirectory& run, State state, const Moment& moment, const
     const auto colours = colour_grains(state.grains);
     add(canvas, spheres(state.grains, colours.map, pale));
     canvas.add_colour_bar(colours.title, colours.map);
-    more = fmt::format("{} grains", state.grains->GetNumberOfPoints());
+    more = fmt::format("{} grains", number_of_grains(state.grains));
     shade_hollows(canvas, 2 * state.grains->GetPointData()->GetArray("radius")->GetRange(0)[1]);
     for (std::size_t i = 0; i < state.solids.size(); ++i) {
       const auto surface = surface_of(state.solids[i]);

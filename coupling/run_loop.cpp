@@ -87,14 +87,22 @@ void RunLoop::zero() {
     setup_.bodies->set_displacement_zero();
     setup_.bodies->reset_energy();
   }
-  if (setup_.grains) setup_.grains->reset_energy();
+  if (setup_.grains) {
+    // A packing's contacts hold energy, which is known once they have been looked at.
+    if (dem_steps_ == 0) setup_.grains->advance(0, setup_.window.dt_dem);
+    setup_.grains->reset_energy();
+  }
   ledger_.start(sampler_.sample(true).energy);
   series_ = {};
   series_.columns.resize(setup_.scene.probes.size());
   agree(setup_.roles->world, [&] {
-    if (setup_.grains) writer_ = std::make_unique<dem::Writer>(directory_, setup_.grains->grains());
+    if (setup_.grains) writer_ = make_writer(setup_.grains->grains());
   });
   observe(true, false);
+}
+
+std::unique_ptr<dem::Writer> RunLoop::make_writer(std::span<const dem::Grain> reference) const {
+  return std::make_unique<dem::Writer>(directory_, reference, clumps(setup_.scene.grains->shapes));
 }
 
 /// Geometric path of the grains' modulus from its packing to its loading value.
@@ -243,7 +251,7 @@ void RunLoop::write_picture() {
   const auto grains = setup_.grains->grains();
   const auto contacts = setup_.grains->grain_contacts();
   const auto wall_contacts = setup_.grains->wall_contacts();
-  if (!writer_) writer_ = std::make_unique<dem::Writer>(directory_, grains);  // stopped before the measured stage
+  if (!writer_) writer_ = make_writer(grains);  // stopped before the measured stage
   writer_->write(time_, grains, contacts, wall_contacts);
   if (setup_.scene.output.contacts) writer_->write_contacts(time_, contacts, wall_contacts);
 }
@@ -318,6 +326,7 @@ void RunLoop::close_summary() {
   if (setup_.grains) {
     const auto counts = setup_.grains->counts();
     summary_.grains = counts.grains;
+    summary_.spheres = counts.spheres;
     summary_.dem_bytes = counts.bytes;
     summary_.seconds["dem"] = dem_seconds_;
   }

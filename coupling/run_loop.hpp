@@ -39,6 +39,7 @@ class RunLoop {
   void guard_energy();
   void obey_contacts();
   void write_picture();
+  std::unique_ptr<dem::Writer> make_writer(std::span<const dem::Grain> reference) const;
   void close_summary();
 
   Setup& setup_;

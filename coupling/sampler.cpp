@@ -113,7 +113,7 @@ double Sampler::grain_probe(const Probe& probe) const {
   have_grains_ = true;
   switch (probe.kind) {
     case ProbeKind::porosity:
-      return probe.scale * porosity(grain_list_, *probe.box, porosity_lattice);
+      return probe.scale * porosity(grains_->spheres(), *probe.box, porosity_lattice);
     case ProbeKind::coordination:
       return probe.scale * coordination(grain_list_, grains_->grain_contacts(), *probe.box);
     case ProbeKind::grain_position:

@@ -11,6 +11,7 @@
 
 #include "base/history.hpp"
 #include "base/vec3.hpp"
+#include "coupling/shapes.hpp"
 #include "dem/dem.hpp"
 #include "fem/fem.hpp"
 
@@ -81,6 +82,8 @@ struct Packing {
   std::vector<PackingLayer> layers;
   std::vector<dem::Plane>
       cuts;  // after packing, grains reaching above a cut plane (normal points away from the ballast) are taken out
+  std::vector<int> shapes;           // of GrainsScene::shapes; empty: spheres
+  std::vector<double> shape_shares;  // of the number of grains, one per shape, sum 1
   bool use_cache = true;
   std::string origin;
 };
@@ -88,6 +91,7 @@ struct Packing {
 struct GrainsScene {
   std::vector<dem::Material> materials;        // [0] is the grains' own
   std::vector<dem::Interaction> interactions;  // materials × materials
+  std::vector<GrainShape> shapes;              // Grain::shape counts in it
   std::vector<dem::Grain> list;                // grains given one by one ([[grain]])
   std::optional<Packing> packing;
   std::vector<WallScene> walls;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/error.hpp"
 #include "coupling/scene_parts.hpp"
 
 namespace coupling {
@@ -58,6 +59,61 @@ WallScene read_wall(Value& row, const Value& grains_table, GrainsScene& grains) 
   return wall;
 }
 
+void read_shapes(const Value& table, GrainsScene& grains) {
+  require_unique(table.rows("shape"), "shape");
+  for (const auto& row : table.rows("shape")) {
+    try {
+      grains.shapes.push_back(read_shape(row.at("name").text(), row.at("file").text()));
+    } catch (const base::UserError& error) {
+      fail(row.at("file"), fmt::format("no shape: {}", error.what()));
+    }
+  }
+}
+
+/// Number of the shape that this text names; shapes turn, so that rotations must be on.
+int shape_named(const Value& text, const Value& grains_table) {
+  const auto names = names_of(grains_table.rows("shape"));
+  require_known(text, names, "shape", "shapes");
+  if (!grains_table.at("rotations").boolean())
+    fail(grains_table.at("rotations"), fmt::format("grains of shape \"{}\" turn", text.text()), "remove it");
+  return static_cast<int>(std::find(names.begin(), names.end(), text.text()) - names.begin());
+}
+
+dem::Grain read_grain(Value& row, const Value& grains_table, const GrainsScene& grains) {
+  if (row.has("radius") == row.has("shape"))
+    fail(row, row.has("radius") ? "has both a radius and a shape" : "has neither radius nor shape",
+         "give radius for a sphere, shape (and size) for another grain");
+  dem::Grain grain;
+  if (row.has("shape")) {
+    const int shape = shape_named(row.at("shape"), grains_table);
+    if (!row.has("size")) row.set("size", grains.shapes[static_cast<std::size_t>(shape)].sieve);
+    const Vec3 turn = row.has("orientation") ? row.at("orientation").vector() : Vec3{};
+    grain = shaped_grain(grains.shapes, shape, row.at("size").real(), dem::kernels::turn_by(turn));
+  } else {
+    for (const char* name : {"size", "orientation"})
+      if (row.has(name)) fail(row.at(name), "a sphere has none", "remove it, or give a shape instead of the radius");
+    grain.radius = row.at("radius").real();
+  }
+  grain.position = row.at("position").vector();
+  grain.velocity = row.at("velocity").vector();
+  grain.angular_velocity = row.at("angular_velocity").vector();
+  return grain;
+}
+
+void read_packed_shapes(Value& table, const Value& grains_table, Packing& packing) {
+  for (const auto& name : table.at("shapes").list()) packing.shapes.push_back(shape_named(name, grains_table));
+  packing.shape_shares.assign(packing.shapes.size(), 1.0);
+  if (const Value* shares = table.find("shape_shares")) {
+    if (shares->list().size() != packing.shapes.size())
+      fail(*shares, fmt::format("{} shares for {} shapes", shares->list().size(), packing.shapes.size()),
+           "give one for every name in shapes");
+    packing.shape_shares = shares->reals();
+  }
+  double sum = 0;
+  for (const double share : packing.shape_shares) sum += share;
+  for (double& share : packing.shape_shares) share /= sum;
+}
+
 std::vector<GradingRow> read_grading(const Value& value) {
   std::vector<GradingRow> rows;
   for (const auto& pair : value.list()) {
@@ -107,6 +163,7 @@ Packing read_packing(Value& table, const Value& root, const dem::Interaction& co
   if (!table.has("young_modulus") && reads_elastic_constants(contact)) table.set("young_modulus", modulus.data);
   Packing packing;
   packing.grading = read_grading(table.at("grading"));
+  read_packed_shapes(table, grains, packing);
   packing.seed = static_cast<std::uint64_t>(table.at("seed").integer());
   packing.young_modulus = (table.has("young_modulus") ? table.at("young_modulus") : modulus).real();
   packing.friction = table.at("friction").real();
@@ -172,12 +229,9 @@ void build_grains(Value& root, Scene& scene) {
   grains.neighbour_skin = table.at("neighbour_skin").real();
   grains.maximum_overlap = table.at("maximum_overlap").real();
   grains.rotations = table.at("rotations").boolean();
-  for (const auto& row : singles) {
-    dem::Grain grain;
-    grain.position = row.at("position").vector();
-    grain.radius = row.at("radius").real();
-    grain.velocity = row.at("velocity").vector();
-    grain.angular_velocity = row.at("angular_velocity").vector();
+  read_shapes(table, grains);
+  for (auto& row : singles) {
+    dem::Grain grain = read_grain(row, table, grains);
     grain.id = static_cast<std::int64_t>(grains.list.size());
     grains.list.push_back(grain);
   }

@@ -61,6 +61,10 @@ std::string packing_hash(const Value& root, const Scene& scene) {
   grains.at("material").table().erase("young_modulus");  // only the packing's own counts
   grains.table().erase("friction");
   grains.table().erase("rolling_friction");
+  for (auto& shape : grains.at("shape").list()) {
+    print.add(file_text(shape.at("file").text()));
+    shape.table().erase("file");
+  }
   print.add(base::to_toml(grains, grains_table()));
   Value time = root.at("time");  // the grains' step changes how they fall
   time.table().erase("fem_fraction");

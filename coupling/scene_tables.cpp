@@ -75,11 +75,22 @@ const Table& grain_material_table() {
   return table;
 }
 
+const Table& shape_table() {
+  static const Table table{
+      "grains.shape",
+      "a shape of grains: overlapping spheres that move as one body",
+      {base::name("name", "for [[grain]] and [packing]"),
+       base::path("file",
+                  "spheres, a line x,y,z,radius [m] each, as those of meshes/ballast; scaled where it is used")}};
+  return table;
+}
+
 const Table& grains_table() {
   static const Table table{
       "grains", "what all grains share; without this table there is no DEM",
       joined(
           {base::table("material", grain_material_table(), "of the grains"),
+           base::tables("shape", shape_table(), "shapes that grains may have").otherwise_empty(),
            base::boolean("rotations", "grains may turn").otherwise(true),
            base::real("neighbour_skin", "m", "margin of the neighbour list; 0: chosen").at_least(0).otherwise(0.0),
            base::real("maximum_overlap", "", "overlap over the smaller radius above which a run is declared unstable")
@@ -91,11 +102,19 @@ const Table& grains_table() {
 }
 
 const Table& grain_table() {
-  static const Table table{"grain",
-                           "one grain",
-                           {base::vector("position", "m", "centre"), base::real("radius", "m", "radius").above(0),
-                            base::vector("velocity", "m/s", "at the start").otherwise(Vec3{}),
-                            base::vector("angular_velocity", "rad/s", "at the start").otherwise(Vec3{})}};
+  static const Table table{
+      "grain",
+      "one grain",
+      {base::vector("position", "m", "centre of mass"),
+       base::real("radius", "m", "of a sphere").above(0).optional("`shape` instead"),
+       base::text("shape", "name of a [[grains.shape]]").optional("a sphere"),
+       base::real("size", "m", "of a shape: smallest square hole that it passes")
+           .above(0)
+           .optional("as in the shape's file"),
+       base::vector("orientation", "rad", "of a shape: turn from its file's axes, about this vector by its length")
+           .optional("as in the shape's file"),
+       base::vector("velocity", "m/s", "at the start").otherwise(Vec3{}),
+       base::vector("angular_velocity", "rad/s", "at the start").otherwise(Vec3{})}};
   return table;
 }
 
@@ -139,6 +158,9 @@ const Table& packing_table() {
       {base::pairs("grading", "m", "[sieve size, mass share passing], rising; sizes spread evenly between sieves")
            .at_least(0)
            .at_most(1),
+       base::texts("shapes", "names of [[grains.shape]] to pour, turned at random, each in its own share")
+           .otherwise_empty(),
+       base::reals("shape_shares", "", "share of every shape in the number of grains").above(0).optional("equal"),
        base::integer("seed", "of the random numbers").at_least(0).otherwise(1),
        young_modulus("the grains while packing").optional(own),
        base::real("friction", "", "Coulomb coefficient while packing, where it is lower").at_least(0).optional(own),

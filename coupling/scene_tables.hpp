@@ -10,6 +10,7 @@ const base::Table& scene_table();  // the whole file
 const base::Table& time_table();
 const base::Table& grains_table();
 const base::Table& grain_material_table();
+const base::Table& shape_table();
 const base::Table& grain_table();
 const base::Table& wall_table();
 const base::Table& wall_material_table();

@@ -25,7 +25,9 @@ int sensible_threads(int asked, std::size_t grains, int other_ranks) {
   return std::clamp(omp_get_max_threads() - other_ranks, 1, useful);
 }
 
-std::size_t expected_grains(const GrainsScene& scene) { return scene.packing ? 20000 : scene.list.size(); }
+std::size_t expected_grains(const GrainsScene& scene) {
+  return scene.packing ? 20000 : static_cast<std::size_t>(sphere_count(scene.list, scene.shapes));
+}
 
 }  // namespace
 
@@ -112,6 +114,7 @@ void Setup::place_grains(Summary& summary) {
     dem_setup.rotations = part.rotations;
     dem_setup.maximum_overlap = part.maximum_overlap;
     grains = dem::Simulation::create(dem_setup, backend);
+    add_shapes(*grains, part.shapes);
     grains->add_grains(list);
     add_walls();
     dem_limit = grains->stable_step();

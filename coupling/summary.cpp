@@ -79,7 +79,7 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
   json["backend"] = run.backend;
   json["precision"] = "double";
   json["grains"] = run.grains;
-  json["spheres"] = run.grains;
+  json["spheres"] = run.spheres;
   json["elements"] = run.elements;
   json["steps"] = {{"dem", run.dem_steps}, {"fem", run.fem_steps}, {"windows", run.windows}};
   json["dt_s"] = {{"dem", run.dem_dt}, {"fem", run.fem_dt}};
@@ -89,7 +89,7 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
     return spent != run.seconds.end() && spent->second > 0 ? amount / spent->second : 0.0;
   };
   json["throughput"] = {
-      {"sphere_steps_per_s", rate(static_cast<double>(run.grains) * static_cast<double>(run.dem_steps), "dem")},
+      {"sphere_steps_per_s", rate(static_cast<double>(run.spheres) * static_cast<double>(run.dem_steps), "dem")},
       {"element_steps_per_s", rate(static_cast<double>(run.elements) * static_cast<double>(run.fem_steps), "fem")}};
   Json share = Json::object();
   for (const auto& [name, seconds] : run.seconds) share[name] = run.wall > 0 ? seconds / run.wall : 0.0;

@@ -44,6 +44,46 @@ TEST(Runs, CantileverStartsNoDem) {
   EXPECT_FALSE(fs::exists(out / "grains.pvd"));
 }
 
+// Clumps: the floor carries the union of their spheres (the sum would be half as much again), and the pictures show
+// every sphere.
+TEST(Runs, StonesFallAndRestOnAPlane) {
+  const fs::path out = scratch() / "stones";
+  const auto finished = trackbed("run " + scene("clump_drop.toml") + " --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  EXPECT_EQ(json["grains"], 4);
+  EXPECT_EQ(json["spheres"], 66);
+  EXPECT_LT(std::abs(json["results"]["weight"]["relative_error"].get<double>()), 0.005);
+  EXPECT_EQ(json["results"]["kinetic_energy"]["within"], true);
+  EXPECT_LT(json["energy"]["relative_error"].get<double>(), 0.02);
+  EXPECT_NE(slurp(out / "grains" / "grains_0001.vtp").find("NumberOfPoints=\"66\""), std::string::npos);
+}
+
+// What a run starts from holds energy in its contacts: taken for nothing, it would look like energy from nowhere.
+TEST(Runs, PressedContactsHoldEnergyFromTheStart) {
+  const fs::path file = scratch() / "pressed.toml", out = scratch() / "pressed";
+  std::ofstream(file) << R"(
+[grains]
+friction = 0.5
+restitution = 0.9
+material = { young_modulus = "10 MPa", poisson_ratio = 0.2, density = 2700 }
+[[grain]]
+position = [0, 0, "19 mm"]
+radius = "20 mm"
+[[wall]]
+name = "floor"
+plane = { point = [0, 0, 0], normal = [0, 0, 1] }
+[[stage]]
+name = "rebound"
+duration = "20 ms"
+[output]
+probe_interval = "1 ms"
+)";
+  const auto finished = trackbed("run '" + file.string() + "' --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  EXPECT_LT(summary(out)["energy"]["relative_error"].get<double>(), 0.05);
+}
+
 TEST(Runs, ForcedStepFarAboveTheLimitStopsWithItsCause) {
   const fs::path out = scratch() / "unstable";
   const auto finished = trackbed("run " + scene("cantilever_step.toml") + " --out " + out.string() +

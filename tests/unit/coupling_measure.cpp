@@ -15,12 +15,12 @@ using coupling::Vec3;
 constexpr double lattice_error = 4e-3;
 
 /// Simple cubic arrangement of touching spheres of radius 0.5, n per edge, filling [0, n]^3.
-std::vector<dem::Grain> simple_cubic(int n) {
-  std::vector<dem::Grain> grains;
+std::vector<dem::GrainSphere> simple_cubic(int n) {
+  std::vector<dem::GrainSphere> grains;
   for (int k = 0; k < n; ++k) {
     for (int j = 0; j < n; ++j) {
       for (int i = 0; i < n; ++i) {
-        dem::Grain grain;
+        dem::GrainSphere grain;
         grain.position = {i + 0.5, j + 0.5, k + 0.5};
         grain.radius = 0.5;
         grain.id = static_cast<std::int64_t>(grains.size()) + 10;
@@ -41,7 +41,7 @@ TEST(Measure, SimpleCubicPorosity) {
 }
 
 TEST(Measure, OverlapCountsOnce) {
-  std::vector<dem::Grain> grains = simple_cubic(1);
+  auto grains = simple_cubic(1);
   grains.push_back(grains.front());
   EXPECT_NEAR(coupling::porosity(grains, {{0, 0, 0}, {1, 1, 1}}, 0.02), 1 - std::numbers::pi / 6, lattice_error);
 }

@@ -9,6 +9,7 @@
 #include "coupling/measure.hpp"
 #include "coupling/packing.hpp"
 #include "dem/grading.hpp"
+#include "dem/output.hpp"
 
 namespace {
 
@@ -107,6 +108,56 @@ TEST(Packing, CubeOfBallast) {
 }
 
 // A plate that would have to press the grains far below their closest packing stops and says so.
+// Stones of the library: they keep their shares and the grading's sizes, lie inside the walls with every sphere, and
+// fill what their unions' volume says. Adding up spheres would give a porosity below zero.
+TEST(Packing, CubeOfClumps) {
+  coupling::Scene scene = cube_scene();
+  auto& part = *scene.grains;
+  for (const char* name : {"stone1.clump10", "stone8.clump10"}) {
+    const auto file = fs::path(TRACKBED_SOURCE_FOLDER) / "meshes" / "ballast" / (std::string(name) + ".csv");
+    part.shapes.push_back(coupling::read_shape(name, file));
+  }
+  coupling::Packing& packing = *part.packing;
+  packing.grading = {{0.060, 0}, {0.063, 1}};
+  packing.young_modulus = 0.02e9;
+  packing.shapes = {0, 1};
+  packing.shape_shares = {0.5, 0.5};
+  packing.use_cache = false;
+  packing.layers[0].plate = false;
+  packing.layers[0].box.upper = {edge, edge, 0.15};
+  dem::set_threads(1);
+  coupling::PackingReport report;
+  const auto grains = coupling::pack(scene, {}, dem::Backend::omp, report);
+  ASSERT_GT(grains.size(), 30u);
+  const auto clumps = coupling::clumps(part.shapes);
+  std::size_t first = 0;
+  double solid = 0;
+  for (const auto& grain : grains) {
+    first += grain.shape == 0;
+    solid += dem::volume(grain, clumps);
+    EXPECT_GE(coupling::sieve_size(grain, part.shapes), 0.060);
+    EXPECT_LE(coupling::sieve_size(grain, part.shapes), 0.063);
+    for (const auto& sphere : dem::placed_spheres(grain, clumps))
+      for (int axis = 0; axis < 2; ++axis) {
+        EXPECT_GT(sphere.position[axis] - sphere.radius, -0.003);
+        EXPECT_LT(sphere.position[axis] + sphere.radius, edge + 0.003);
+      }
+  }
+  EXPECT_NEAR(static_cast<double>(first) / static_cast<double>(grains.size()), 0.5, 0.1);
+  EXPECT_GT(report.coordination, 2);
+  EXPECT_LT(report.coordination, 8);
+  EXPECT_GT(report.porosity, 0.2);
+  EXPECT_LT(report.porosity, 0.55);
+  std::vector<dem::GrainSphere> spheres;
+  for (const auto& grain : grains)
+    for (const auto& sphere : dem::placed_spheres(grain, clumps))
+      spheres.push_back({sphere.position, sphere.radius, grain.id});
+  const coupling::Box everything{{-0.01, -0.01, -0.01}, {edge + 0.01, edge + 0.01, 0.30}};
+  const base::Vec3 size = everything.upper - everything.lower;
+  const double filled = 1 - coupling::porosity(spheres, everything, 0.003);
+  EXPECT_NEAR(filled * size.x * size.y * size.z / solid, 1, 0.01);
+}
+
 TEST(Packing, PlateThatCannotComeDown) {
   coupling::Scene scene = cube_scene();
   scene.grains->packing->use_cache = false;
