@@ -49,7 +49,11 @@ struct Bodies {
     }
     Vector<int> sphere_rows;
     upload(sphere_order, sphere_rows);
+    Vector<GrainLedger> ledger;  // of bodies
+    ledger.swap(spheres.ledger);
     spheres.keep(sphere_rows);
+    reorder(ledger, order);
+    ledger.swap(spheres.ledger);
     reorder(offset, sphere_rows);
     upload(owner, of_sphere);
     upload(new_start, start);

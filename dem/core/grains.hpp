@@ -74,7 +74,7 @@ struct Grains {
   Vector<Vec3> listed;               // positions at the last list build
   Vector<int> material;
   Vector<std::int64_t> id;
-  Vector<GrainLedger> ledger;  // empty while nothing needs it
+  Vector<GrainLedger> ledger;  // empty while nothing needs it; of bodies where there are any
   Vector<int> old_of_new;      // index under the numbering of the present contact lists, -1: not in them
 
   int size() const { return static_cast<int>(id.size()); }
@@ -103,7 +103,7 @@ struct Grains {
     append(pull, std::vector<Quad>(states.size()), parts * before);
     append(material, materials);
     append(id, ids);
-    if (!ledger.empty()) ledger.resize(id.size());
+    if (own_state && !ledger.empty()) ledger.resize(id.size());
     append(old_of_new, std::vector<int>(grains.size(), -1));
   }
 

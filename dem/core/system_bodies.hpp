@@ -34,7 +34,8 @@ inline void System::add_bodies(std::span<const Grain> grains) {
   std::vector<int> materials, shapes, starts, owners;
   std::vector<std::int64_t> ids;
   const int first_sphere = grains_.size();
-  int body = bodies_.size();
+  const std::size_t before = bodies_.size();
+  int body = static_cast<int>(before);
   for (const Grain& g : grains) {
     const Sphere alone{{}, g.radius};
     const Clump* shape = g.shape < 0 ? nullptr : &shapes_[g.shape];
@@ -74,6 +75,7 @@ inline void System::add_bodies(std::span<const Grain> grains) {
   append(bodies_.start, starts);
   append(bodies_.of_sphere, owners);
   append(bodies_.offset, offsets);
+  if (!grains_.ledger.empty()) grains_.ledger.resize(ids.size() + before);
   set_body_masses();
   carry_spheres();
 }
