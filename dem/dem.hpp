@@ -183,7 +183,8 @@ class Simulation {
   /// finite or an overlap exceeds Setup::maximum_overlap.
   virtual void advance(int n, double dt) = 0;
   virtual double time() const = 0;
-  /// Rayleigh limit over the present grains and materials.
+  /// Over the present grains and materials: the Rayleigh limit; where a material meets linear springs 2 / omega with
+  /// omega^2 = 8 k / m (four contacts in one direction, partners moving against them).
   virtual StableStep stable_step() const = 0;
   /// 2/omega_max bound from the live contacts (normal and shear stiffness, damping, grain and wall-node free side).
   virtual StableStep contact_stable_step() const = 0;

@@ -95,6 +95,7 @@ class System final : public Simulation {
   base::Energy pending() const;
   template <class Visit>
   void each_contact(Visit&&) const;
+  double stiffest_spring(int material) const;
 
   Setup setup_;
   Backend backend_;

@@ -249,24 +249,46 @@ inline Counts System::counts() const {
 }
 
 // ---- stable steps
+/// Stiffest linear spring that grains of this material may meet [N/m], shear with its share in rotation; 0: none.
+inline double System::stiffest_spring(int material) const {
+  const int count = static_cast<int>(setup_.materials.size());
+  double stiffest = 0;
+  for (int other = 0; other < count; ++other)
+    for (const auto* table : {&grain_parameters_host_, &wall_parameters_host_}) {
+      const auto& pair = (*table)[material * count + other];
+      stiffest = std::fmax(stiffest, std::fmax(pair.normal_stiffness, 3.5 * pair.shear_stiffness));
+    }
+  return stiffest;
+}
+
 inline StableStep System::stable_step() const {
   StableStep step{std::numeric_limits<double>::infinity(), "no grains"};
   const auto place = download(grains_.place);
+  const auto motion = download(grains_.motion);
+  const Rows<const Quad> motions{motion.data(), grains_.parts};
   const auto material = download(grains_.material);
   const auto ids = download(grains_.id);
+  std::vector<double> springs;
+  for (std::size_t m = 0; m < setup_.materials.size(); ++m) springs.push_back(stiffest_spring(static_cast<int>(m)));
   int limiter = 0;
+  bool by_spring = false;
   for (int g = 0; g < grains_.size(); ++g) {
     const Material& m = setup_.materials[material[g]];
     const double shear_modulus = m.young_modulus / (2 * (1 + m.poisson_ratio));
-    const double limit =
+    const double rayleigh =
         std::numbers::pi * place[g].radius * std::sqrt(m.density / shear_modulus) / (0.1631 * m.poisson_ratio + 0.8766);
+    // Four contacts in one direction, each with a partner that moves against it: omega^2 = 8 k / m.
+    const double spring = 2 / std::sqrt(8 * springs[material[g]] / motions.translation(g).number);
+    const double limit = springs[material[g]] > 0 ? spring : rayleigh;
     if (limit > step.limit || (limit == step.limit && ids[g] > ids[limiter])) continue;
     step.limit = limit;
     limiter = g;
+    by_spring = springs[material[g]] > 0;
   }
   if (ids.empty()) return step;
-  char text[160];
-  std::snprintf(text, sizeof text, "Rayleigh wave over grain %lld (radius %.4g mm, %s)",
+  char text[200];
+  std::snprintf(text, sizeof text, "%s grain %lld (radius %.4g mm, %s)",
+                by_spring ? "linear springs (omega^2 = 8 k / m) on" : "Rayleigh wave over",
                 static_cast<long long>(ids[limiter]), 1e3 * place[limiter].radius,
                 setup_.materials[material[limiter]].name.c_str());
   step.limiter = text;

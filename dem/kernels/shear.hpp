@@ -103,7 +103,8 @@ TRACKBED_HD TRACKBED_LANES Reaction<Real> sheared(const NormalForce<Real>& norma
   history[3] = choose(touching, k_t, Real{});
   if constexpr (Ledger) {
     const Real step = all<Real>(time.before + time.ahead);
-    const Real stored = choose(touching, norm2(spring) / choose(touching, all<Real>(2) * k_t, all<Real>(1)), Real{});
+    const auto springs = k_t > Real{};  // a law may have none
+    const Real stored = choose(springs, norm2(spring) / choose(springs, all<Real>(2) * k_t, all<Real>(1)), Real{});
     result.elastic_normal = choose(touching, normal.stored, Real{});
     result.elastic_shear = stored;
     const Real taken_in = -dot(spring, velocity) * step;

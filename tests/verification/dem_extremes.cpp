@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,35 @@ TEST(Extremes, AGrainFliesAway) {
   EXPECT_EQ(outcome(*sim, 1000, 1e-3), "went on");
   EXPECT_NEAR(sim->grains()[0].position.x, 1e5, 1e-6);
   EXPECT_EQ(sim->grains()[1].position.y, 0.05);
+}
+
+// Linear springs know no Rayleigh wave: the step follows k / m. A line of five spheres between two walls, struck at one
+// end, keeps its energy at the reported limit and explodes at twice of it.
+TEST(Extremes, StepOfLinearSprings) {
+  for (const double share : {0.98, 2.5}) {
+    auto setup = setup_of(1e9, 1);
+    setup.interactions[0] = {0, 1, 0, "linear"};
+    setup.interactions[0].normal_stiffness = 1e5;
+    const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+    std::vector<dem::Grain> line;
+    for (int k = 0; k < 5; ++k) line.push_back({.position = {0.0398 * k, 0, 0}, .radius = 0.02, .id = k});
+    line[0].velocity = {0.1, 0, 0};
+    sim->add_plane({{-0.0199, 0, 0}, {1, 0, 0}}, 0);
+    sim->add_plane({{0.0398 * 4 + 0.0199, 0, 0}, {-1, 0, 0}}, 0);
+    sim->add_grains(line);
+    const auto step = sim->stable_step();
+    const double mass = 2700 * 4.0 / 3.0 * std::numbers::pi * 8e-6;
+    EXPECT_NEAR(step.limit, 2 / std::sqrt(8 * 1e5 / mass), 1e-12);
+    EXPECT_NE(step.limiter.find("linear springs"), std::string::npos) << step.limiter;
+    const double start = 0.5 * mass * 0.01 + 4 * 0.5 * 1e5 * 4e-8 + 2 * 0.5 * 1e5 * 1e-8;
+    const std::string text = outcome(*sim, 20000, share * step.limit);
+    if (share < 1) {
+      EXPECT_EQ(text, "went on");
+      EXPECT_NEAR(sim->energy().stored(), start, 0.05 * start);
+    } else {
+      EXPECT_TRUE(text != "went on" || sim->energy().stored() > 2 * start) << text;
+    }
+  }
 }
 
 }  // namespace
