@@ -211,6 +211,10 @@ double Packer::step() const { return scene_.time.dem_fraction * simulation_->sta
 
 void Packer::advance(double duration) {
   const double dt = step();
+  base::require_user(
+      std::isfinite(dt),
+      "packing: the layers hold no grain of this grading; make packing.layer.box higher or wider than the "
+      "grains, or the grading finer");
   const int steps = std::max(1, static_cast<int>(std::ceil(duration / dt)));
   simulation_->advance(steps, duration / steps);
 }

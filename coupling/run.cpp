@@ -3,9 +3,11 @@
 #include <fmt/core.h>
 #include <mpi.h>
 #include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -22,19 +24,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The log: standard output and run.log on the root, silence elsewhere.
-void open_log(bool root, const fs::path& directory) {
+using Ring = spdlog::sinks::ringbuffer_sink_mt;
+
+/// The log before the run has a folder: the screen on the root, silence elsewhere. What is said is kept for run.log.
+std::shared_ptr<Ring> open_log(bool root) {
   if (!root) {
     spdlog::set_level(spdlog::level::off);
-    return;
+    return nullptr;
   }
   auto screen = std::make_shared<spdlog::sinks::stdout_sink_mt>();
   screen->set_pattern("%v");
-  auto file = std::make_shared<spdlog::sinks::basic_file_sink_mt>((directory / "run.log").string(), true);
-  file->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
-  auto logger = std::make_shared<spdlog::logger>("run", spdlog::sinks_init_list{screen, file});
+  auto kept = std::make_shared<Ring>(10000);
+  auto logger = std::make_shared<spdlog::logger>("run", spdlog::sinks_init_list{screen, kept});
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(logger);
+  return kept;
+}
+
+/// From now on the log goes to run.log too, what was said before at its head.
+void move_log(const std::shared_ptr<Ring>& kept, const fs::path& directory) {
+  if (!kept) return;
+  auto file = std::make_shared<spdlog::sinks::basic_file_sink_mt>((directory / "run.log").string(), true);
+  file->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
+  for (const auto& message : kept->last_raw()) file->log(message);
+  auto& sinks = spdlog::default_logger()->sinks();
+  std::replace(sinks.begin(), sinks.end(), std::static_pointer_cast<spdlog::sinks::sink>(kept),
+               std::static_pointer_cast<spdlog::sinks::sink>(file));
 }
 
 const char* status_word(Failure kind) {
@@ -66,18 +81,22 @@ void run(const RunOptions& options) {
   const Roles& roles = *setup.roles;
   const fs::path directory = options.out.value_or(fs::path("runs") / options.scene.stem());
   agree(roles.world, [&] {
-    if (roles.is_root()) {
-      make_run_directory(directory, options.overwrite);
-      write_file(directory / "scene.resolved.toml", setup.scene.resolved_toml);
-    }
+    if (roles.is_root()) check_run_directory(directory, options.overwrite);
   });
-  open_log(roles.is_root(), directory);
+  const auto kept = open_log(roles.is_root());
   spdlog::info("{}", setup.scene.title);
 
+  // Everything that can be refused is refused before an earlier run in the folder is touched.
   Summary summary;
+  setup.place_grains(summary);
+  agree(roles.world, [&] {
+    if (!roles.is_root()) return;
+    make_run_directory(directory, options.overwrite);
+    write_file(directory / "scene.resolved.toml", setup.scene.resolved_toml);
+    move_log(kept, directory);
+  });
   Series series;
   const FailureText failure = caught([&] {
-    setup.place_grains(summary);
     RunLoop loop(setup, directory, summary, series);
     loop.run(options.until);
   });

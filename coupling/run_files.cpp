@@ -10,7 +10,7 @@ namespace coupling {
 
 namespace fs = std::filesystem;
 
-void make_run_directory(const fs::path& directory, bool overwrite) {
+void check_run_directory(const fs::path& directory, bool overwrite) {
   const std::string head = fmt::format("--out {}: ", directory.string());
   std::error_code error;
   if (fs::exists(directory, error)) {
@@ -27,12 +27,45 @@ void make_run_directory(const fs::path& directory, bool overwrite) {
                            "it yourself or give another --out");
     base::require_user(access(directory.c_str(), W_OK | X_OK) == 0,
                        head + "no permission to write there; choose a folder of yours");
-    for (const auto& entry : fs::directory_iterator(directory)) fs::remove_all(entry.path(), error);
-  } else {
-    fs::create_directories(directory, error);
-    base::require_user(!error,
-                       fmt::format("{}cannot be made ({}); choose a place you may write to", head, error.message()));
+    return;
   }
+  const fs::path above = fs::absolute(directory).lexically_normal().parent_path();
+  for (fs::path place = above;; place = place.parent_path()) {  // the nearest folder that exists must take new ones
+    if (fs::exists(place, error)) {
+      base::require_user(fs::is_directory(place) && access(place.c_str(), W_OK | X_OK) == 0,
+                         fmt::format("{}cannot be made in {} (Permission denied); choose a place you may write to",
+                                     head, place.string()));
+      return;
+    }
+    if (place == place.parent_path()) return;
+  }
+}
+
+/// What a run leaves behind: its files by name, each .pvd with the folder of its data.
+void remove_run(const fs::path& directory) {
+  std::error_code error;
+  std::vector<fs::path> gone{directory / "pictures"};
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    const fs::path& path = entry.path();
+    const std::string name = path.filename().string();
+    if (path.extension() == ".pvd") gone.push_back(directory / path.stem());
+    if (path.extension() == ".pvd" || path.extension() == ".part" || name == "scene.resolved.toml" ||
+        name == "summary.json" || name == "history.csv" || name == "run.log")
+      gone.push_back(path);
+  }
+  for (const fs::path& path : gone) {
+    fs::remove_all(path, error);
+    if (error) throw base::MachineError(fmt::format("{}: cannot be removed ({})", path.string(), error.message()));
+  }
+}
+
+void make_run_directory(const fs::path& directory, bool overwrite) {
+  check_run_directory(directory, overwrite);
+  std::error_code error;
+  if (fs::exists(directory, error)) return remove_run(directory);
+  fs::create_directories(directory, error);
+  base::require_user(!error, fmt::format("--out {}: cannot be made ({}); choose a place you may write to",
+                                         directory.string(), error.message()));
 }
 
 void write_file(const fs::path& path, const std::string& text) {

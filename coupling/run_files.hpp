@@ -8,8 +8,11 @@
 
 namespace coupling {
 
-/// Makes the folder. Throws base::UserError when it exists (unless `overwrite`, and then only when it holds an earlier
-/// run or nothing) or cannot be written.
+/// Throws base::UserError when the folder exists (unless `overwrite`, and then only when it holds an earlier run or
+/// nothing) or cannot be written. Writes and removes nothing.
+void check_run_directory(const std::filesystem::path&, bool overwrite);
+
+/// Makes the folder after the same checks. With `overwrite` the files of the earlier run go; what is not a run's stays.
 void make_run_directory(const std::filesystem::path&, bool overwrite);
 
 /// Writes a whole file through a temporary name. Throws base::MachineError.

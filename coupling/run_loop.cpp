@@ -190,20 +190,21 @@ void RunLoop::observe(bool picture, bool final) {
     if (!measuring_) return;
     series_.time.push_back(time_);
     for (std::size_t p = 0; p < sample.probes.size(); ++p) series_.columns[p].push_back(sample.probes[p]);
-    guard_energy();
+    guard_energy(10);
   });
   // Costs about a step: not at every sample.
   if (picture || ++samples_since_bound_ >= 4) obey_contacts();
   output_seconds_ += seconds_since(start);
 }
 
-/// A run that leaves its energy budget has become unstable, whatever its numbers look like.
-void RunLoop::guard_energy() {
+/// A run that leaves its energy budget has become unstable, whatever its numbers look like. Among the first samples,
+/// when little work has been done, it is not judged.
+void RunLoop::guard_energy(std::size_t samples) {
   constexpr double tolerance = 0.5;  // of the work done and the energy there was: far outside any honest error
   const auto& energy = ledger_.last();
   const double budget =
       ledger_.external_work() + energy.grains.losses() + energy.bodies.losses() + ledger_.stored_at_start();
-  if (series_.time.size() < 10 || !(std::abs(ledger_.residual()) > tolerance * budget) || budget < 1e-12) return;
+  if (series_.time.size() < samples || !(std::abs(ledger_.residual()) > tolerance * budget) || budget < 1e-12) return;
   std::string place;
   if (setup_.grains) {
     const auto list = setup_.grains->grains();
@@ -269,10 +270,16 @@ void RunLoop::run(std::optional<double> until) {
       const double picture_interval = output.interval > 0 ? output.interval : stage.duration;
       double next_probe = first + output.probe_interval, next_picture = first + picture_interval;
       for (std::int64_t window = 0;; ++window) {
-        if (stage.ramp_stiffness && window % 16 == 0) ramp((time_ - first) / stage.duration);
+        const bool alone = !setup_.scene.has_bodies();
+        double instant = std::min(end, next_picture);
+        if (output.probe_interval > 0) instant = std::min(instant, next_probe);
+        if (stage.ramp_stiffness) instant = std::min(instant, time_ + 16 * setup_.window.dt_dem);
+        setup_.aim_at(instant - time_);
+        if (stage.ramp_stiffness && (alone || window % 16 == 0)) ramp((time_ - first) / stage.duration);
         if (!step_window()) raise({Failure::internal, ""});
-        // An instant has come when the next window's middle would lie beyond it.
-        const double half = 0.5 * setup_.window.length();
+        // An instant has come when the middle of the next window (or of the next step, where windows are cut to fit)
+        // would lie beyond it.
+        const double half = 0.5 * (alone ? setup_.window.dt_dem : setup_.window.length());
         const bool enough = until && time_ >= *until;
         const bool last = time_ + half >= end || enough;
         const bool picture = last || time_ + half >= next_picture;
@@ -286,6 +293,9 @@ void RunLoop::run(std::optional<double> until) {
       }
       ++stage_;
     }
+    agree(setup_.roles->world, [&] {
+      if (measuring_ && setup_.roles->is_root()) guard_energy(0);
+    });
   });
   progress_.clear();
   // Whoever left the loop does so for its own failure, for the other side's, or for one already agreed on.

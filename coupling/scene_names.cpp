@@ -24,6 +24,10 @@ void require_unique(const Value::List& rows, const std::string& noun) {
   for (const auto& row : rows) {
     const Value& name = row.at("name");
     const auto [known, added] = first.emplace(name.text(), &name);
+    // Their results would fall on the grains' and the run's own.
+    for (const char* taken : {"grains", "contacts", "pictures", "time", "stage"})
+      if (name.text() == taken)
+        fail(name, fmt::format("is a name that results use themselves; no {} may have it", noun), "take another name");
     if (!added) fail(name, fmt::format("a {} of this name stands at {}", noun, known->second->origin()), "rename one");
   }
 }

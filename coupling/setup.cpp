@@ -119,10 +119,21 @@ void Setup::place_grains(Summary& summary) {
     add_walls();
     dem_limit = grains->stable_step();
     check_step("time.dem_step", scene, scene.time.dem_step, dem_limit.limit, dem_limit.limiter);
+    look_at_the_start();
   });
   if (scene.has_grains()) MPI_Bcast(&dem_limit.limit, 1, MPI_DOUBLE, roles->dem_rank, roles->world);
   choose_window(std::numeric_limits<double>::infinity());
   report_steps();
+}
+
+/// Grains that overlap too much from the first are a mistake in the scene, not an instability.
+void Setup::look_at_the_start() {
+  try {
+    grains->advance(0, wanted_dem_step());
+  } catch (const base::UnstableError& error) {
+    throw base::UserError(fmt::format("{}: the scene cannot start: {}; move the grains apart, or away from the wall",
+                                      scene.file.string(), error.what()));
+  }
 }
 
 double Setup::wanted_dem_step() const {
@@ -134,9 +145,11 @@ void Setup::choose_window(double longest) {
   if (scene.has_grains()) d = std::min(wanted_dem_step(), longest);
   if (scene.has_bodies()) f = scene.time.fem_step.value_or(scene.time.fem_fraction * fem_limit.limit);
   window = coupling::choose_window(d, f);
-  // Without a partner a side has nobody to wait for: many steps go into one call.
-  if (!scene.has_bodies() && scene.output.probe_interval > 0)
-    window.n_dem = std::max(1, static_cast<int>(scene.output.probe_interval / window.dt_dem));
+}
+
+void Setup::aim_at(double duration) {
+  if (scene.has_bodies()) return;
+  window.n_dem = static_cast<int>(std::clamp(std::round(duration / window.dt_dem), 1.0, 1e6));
 }
 
 void Setup::report_steps() const {

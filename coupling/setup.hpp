@@ -27,8 +27,11 @@ class Setup {
 
   /// Longest DEM step [s] wanted: the hand-set one, or the fraction of the Rayleigh limit.
   double wanted_dem_step() const;
+  void look_at_the_start();
   /// The window with no DEM step longer than `longest` [s]. The same on every rank if `longest` is.
   void choose_window(double longest);
+  /// Without a partner a side has nobody to wait for: as many steps go into the next window as fill this time [s].
+  void aim_at(double duration);
 
   Scene scene;
   RunOptions options;
