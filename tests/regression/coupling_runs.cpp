@@ -62,6 +62,118 @@ TEST(Runs, StonesFallAndRestOnAPlane) {
 // What a run starts from holds energy in its contacts: taken for nothing, it would look like energy from nowhere.
 TEST(Runs, PressedContactsHoldEnergyFromTheStart) {
   const fs::path file = scratch() / "pressed.toml", out = scratch() / "pressed";
+  std::ofstream(file) << R"(
+[grains]
+friction = 0.5
+restitution = 0.9
+material = { young_modulus = "10 MPa", poisson_ratio = 0.2, density = 2700 }
+[[grain]]
+position = [0, 0, "19 mm"]
+radius = "20 mm"
+[[wall]]
+name = "floor"
+plane = { point = [0, 0, 0], normal = [0, 0, 1] }
+[[stage]]
+name = "rebound"
+duration = "20 ms"
+[output]
+probe_interval = "1 ms"
+)";
+  const auto finished = trackbed("run '" + file.string() + "' --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  EXPECT_LT(summary(out)["energy"]["relative_error"].get<double>(), 0.05);
+}
+
+TEST(Runs, ForcedStepFarAboveTheLimitStopsWithItsCause) {
+  const fs::path out = scratch() / "unstable";
+  const auto finished = trackbed("run " + scene("cantilever_step.toml") + " --out " + out.string() +
+                                     " --set time.fem_step=2e-5 --set time.force_step=true",
+                                 2);
+  EXPECT_EQ(finished.status, 3) << finished.output;
+  EXPECT_NE(finished.output.find("trackbed: error: "), std::string::npos) << finished.output;
+  const auto json = summary(out);
+  EXPECT_EQ(json["status"], "unstable");
+  EXPECT_FALSE(json["message"].get<std::string>().empty());
+  EXPECT_GT(fs::file_size(out / "history.csv"), 100u);
+}
+
+TEST(Runs, StepAboveTheLimitIsRefusedBeforeAnythingIsWritten) {
+  const fs::path out = scratch() / "refused";
+  const auto finished =
+      trackbed("run " + scene("cantilever_step.toml") + " --out " + out.string() + " --set time.fem_step=2e-5", 2);
+  EXPECT_EQ(finished.status, 2) << finished.output;
+  EXPECT_NE(finished.output.find("time.fem_step = 2e-05 s; must be at most the stable step"), std::string::npos)
+      << finished.output;
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST(Runs, ExistingResultsAreKept) {
+  const fs::path out = scratch() / "kept";
+  fs::create_directories(out);
+  std::ofstream(out / "history.csv") << "precious";
+  const auto finished = trackbed("run " + scene("cantilever_step.toml") + " --out " + out.string());
+  EXPECT_EQ(finished.status, 2) << finished.output;
+  EXPECT_NE(finished.output.find("the folder exists; nothing was written"), std::string::npos) << finished.output;
+  EXPECT_EQ(slurp(out / "history.csv"), "precious");
+}
+
+const char* const two_grains = R"(
+[grains]
+friction = 0.5
+restitution = 0.5
+material = { young_modulus = "1 GPa", poisson_ratio = 0.2, density = 2700 }
+[[grain]]
+position = [0, 0, "0.05 m"]
+radius = "20 mm"
+[[grain]]
+position = ["0.1 m", 0, "0.05 m"]
+radius = "20 mm"
+[[wall]]
+name = "floor"
+plane = { point = [0, 0, 0], normal = [0, 0, 1] }
+[[stage]]
+name = "fall"
+duration = "7 ms"
+)";
+
+// Input that is found wrong only when everything is in place still costs nothing of an earlier run.
+TEST(Runs, RefusedInputLeavesTheEarlierRunAlone) {
+  const fs::path out = scratch() / "earlier", file = scratch() / "two_grains.toml", other = scratch() / "overlap.toml";
+  std::ofstream(file) << two_grains;
+  std::string overlapping = two_grains;
+  overlapping.replace(overlapping.find("0.1 m"), 5, "10 mm");
+  std::ofstream(other) << overlapping;
+  const auto first = trackbed("run " + file.string() + " --out " + out.string());
+  ASSERT_EQ(first.status, 0) << first.output;
+  EXPECT_NEAR(summary(out)["time_simulated_s"].get<double>(), 7e-3, 1e-4);
+  std::ofstream(out / "notes.txt") << "mine";
+  const std::string before = slurp(out / "history.csv");
+  for (const std::string& wrong : {file.string() + " --set time.dem_step=0.01", other.string()}) {
+    const auto finished = trackbed("run " + wrong + " --overwrite --out " + out.string());
+    EXPECT_EQ(finished.status, 2) << wrong << finished.output;
+    EXPECT_EQ(slurp(out / "history.csv"), before) << wrong;
+  }
+  ASSERT_EQ(trackbed("run " + file.string() + " --overwrite --out " + out.string()).status, 0);
+  EXPECT_EQ(slurp(out / "notes.txt"), "mine");
+}
+
+// Few samples do not hide an explosion: the last one is judged.
+TEST(Runs, ForcedStepWithFewSamplesStopsToo) {
+  const fs::path out = scratch() / "few";
+  const auto finished = trackbed("run " + scene("cantilever_step.toml") + " --out " + out.string() +
+                                 " --set time.fem_step=1e-4 --set time.force_step=true --set "
+                                 "output.probe_interval=0.02");
+  EXPECT_EQ(finished.status, 3) << finished.output;
+}
+
+// Nobody stops root: as root the program is copied to where everybody may read it and started as another user.
+TEST(Runs, FolderWithoutWritePermissionIsRefused) {
+  const fs::path place = scratch() / "locked", program = scratch() / "trackbed_for_all";
+  fs::create_directories(place);
+  fs::permissions(place, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::group_read | fs::perms::group_exec |
+                             fs::perms::others_read | fs::perms::others_exec);
+  fs::copy_file(TRACKBED_PROGRAM, program, fs::copy_options::overwrite_existing);
+  const fs::path file = scratch() / "one_grain.toml", log = scratch() / "locked.txt";
   std::ofstream(file) << two_grains;
   const std::string other = geteuid() == 0 ? "setpriv --reuid=65534 --regid=65534 --clear-groups " : "";
   const auto refuse = [&](const fs::path& out, const std::string& expected) {
