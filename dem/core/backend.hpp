@@ -90,13 +90,13 @@ const T* pointer(const Vector<T>& v) {
 template <class T>
 std::vector<T> download(const Vector<T>& v) {
   std::vector<T> host(v.size());
-  thrust::copy(v.begin(), v.end(), host.begin());
+  if (!host.empty()) thrust::copy(v.begin(), v.end(), host.begin());
   return host;
 }
 template <class T>
 void upload(std::span<const T> host, Vector<T>& v) {
   v.resize(host.size());
-  thrust::copy(host.begin(), host.end(), v.begin());
+  if (!host.empty()) thrust::copy(host.begin(), host.end(), v.begin());
 }
 template <class T>
 void upload(const std::vector<T>& host, Vector<T>& v) {

@@ -31,7 +31,7 @@ void reorder(Vector<T>& v, const Vector<int>& order, int parts = 1) {
 template <class T>
 void append(Vector<T>& v, const std::vector<T>& host, std::size_t before) {
   v.resize(before + host.size());
-  thrust::copy(host.begin(), host.end(), v.begin() + before);
+  if (!host.empty()) thrust::copy(host.begin(), host.end(), v.begin() + before);
 }
 template <class T>
 void append(Vector<T>& v, const std::vector<T>& host) {
