@@ -10,7 +10,11 @@ struct CellGrid {
   double inverse_size = 1;  // [1/m]
   int count[3] = {4, 4, 4};
 
-  TRACKBED_HD long long cell(double x) const { return static_cast<long long>(std::floor(x * inverse_size)); }
+  /// What is not finite, or beyond all counting, is in cell 0: the run stops for it elsewhere.
+  TRACKBED_HD long long cell(double x) const {
+    const double place = std::floor(x * inverse_size);
+    return place > -1e15 && place < 1e15 ? static_cast<long long>(place) : 0;
+  }
   TRACKBED_HD int wrap(long long cell, int axis) const {
     const long long rest = cell % count[axis];
     return static_cast<int>(rest < 0 ? rest + count[axis] : rest);
