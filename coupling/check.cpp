@@ -23,8 +23,8 @@ namespace coupling {
 namespace {
 
 // Rough costs of one core, for the estimates only; tests/benchmarks measures them.
-constexpr double sphere_steps_per_second = 2.0e6, element_steps_per_second = 8.0e6;
-constexpr double bytes_per_sphere = 3000;  // state, candidate pairs, contact memory of a packed bed
+constexpr double sphere_steps_per_second = 5.0e6, element_steps_per_second = 8.0e6;
+constexpr double bytes_per_sphere = 800;  // state, candidate pairs, contact memory of a packed bed
 
 struct GrainEstimate {
   std::vector<dem::Grain> grains;  // a list, a cached packing, or radii alone
@@ -186,7 +186,7 @@ Steps choose_steps(const Setup& setup, const std::optional<GrainEstimate>& estim
   if (estimate) {
     const auto limit = stable_step(setup, *estimate, scene.grains->materials[0].young_modulus);
     check_step("time.dem_step", scene, scene.time.dem_step, limit.limit, limit.limiter);
-    steps.dem = scene.time.dem_step.value_or(scene.time.dem_fraction * limit.limit);
+    steps.dem = step_of(scene.time.dem_step, scene.time.dem_fraction, limit.limit);
     steps.text += fmt::format("  grains: stable step {:.4g} s ({}); at most {:.4g} s is used\n", limit.limit,
                               limit.limiter, *steps.dem);
     if (const auto& packing = scene.grains->packing) {
@@ -196,7 +196,7 @@ Steps choose_steps(const Setup& setup, const std::optional<GrainEstimate>& estim
   }
   if (scene.has_bodies()) {
     const auto& limit = setup.fem_limit;
-    steps.fem = scene.time.fem_step.value_or(scene.time.fem_fraction * limit.limit);
+    steps.fem = step_of(scene.time.fem_step, scene.time.fem_fraction, limit.limit);
     steps.text += fmt::format("  bodies: stable step {:.4g} s ({}); at most {:.4g} s is used\n", limit.limit,
                               limit.limiter, *steps.fem);
   }

@@ -8,6 +8,16 @@
 
 namespace coupling {
 
+namespace {
+
+const fem::Body* with_skin(const Scene& scene, const std::string& name) {
+  for (const fem::Body& body : scene.bodies)
+    if (body.name == name && !body.skin.empty()) return &body;
+  return nullptr;
+}
+
+}  // namespace
+
 void check_overlaps(const Scene& scene, std::span<const fem::BodyCounts> bodies) {
   constexpr double slack = 1e-9;  // [m] bodies may touch
   for (std::size_t a = 0; a < bodies.size(); ++a)
@@ -20,27 +30,25 @@ void check_overlaps(const Scene& scene, std::span<const fem::BodyCounts> bodies)
         overlap = overlap && upper[d] - lower[d] > slack;
       }
       // The cantilevers of one scene may stand in the same place: without a skin bodies never meet.
-      const auto shows_skin = [&](const std::string& name) {
-        return std::any_of(scene.bodies.begin(), scene.bodies.end(),
-                           [&](const fem::Body& body) { return body.name == name && !body.skin.empty(); });
-      };
-      if (!overlap || !shows_skin(bodies[a].name) || !shows_skin(bodies[b].name)) continue;
-      throw base::UserError(fmt::format(
-          "{}: bodies \"{}\" and \"{}\" overlap in the box ({:.4g}, {:.4g}, {:.4g}) .. ({:.4g}, {:.4g}, {:.4g}) m; "
-          "bodies "
-          "must not share space; change a translation or a mesh parameter",
-          scene.file.string(), bodies[a].name, bodies[b].name, lower.x, lower.y, lower.z, upper.x, upper.y, upper.z));
+      const auto* first = with_skin(scene, bodies[a].name);
+      const auto* second = with_skin(scene, bodies[b].name);
+      if (!overlap || !first || !second) continue;
+      throw base::UserError(
+          fmt::format("{}: body \"{}\" overlaps body \"{}\" ({}) in the box ({:.4g}, {:.4g}, {:.4g}) .. ({:.4g}, "
+                      "{:.4g}, {:.4g}) m; "
+                      "bodies must not share space; change a translation or a mesh parameter",
+                      second->origin, second->name, first->name, first->origin, lower.x, lower.y, lower.z, upper.x,
+                      upper.y, upper.z));
     }
 }
 
-void check_step(const std::string& key, const Scene& scene, std::optional<double> step, double limit,
+void check_step(const std::string& key, const Scene& scene, const std::optional<ChosenStep>& step, double limit,
                 const std::string& limiter) {
-  base::require_user(
-      !step || *step <= limit || scene.time.force_step,
-      fmt::format(
-          "{}: {} = {:.6g} s; must be at most the stable step {:.6g} s ({}); leave {} out to have it chosen, or set "
-          "time.force_step = true to run into the instability",
-          scene.file.string(), key, step.value_or(0), limit, limiter, key));
+  if (!step || step->seconds <= limit || scene.time.force_step) return;
+  throw base::UserError(fmt::format(
+      "{}: {} = {:.6g} s; must be at most the stable step {:.6g} s ({}); leave {} out to have it chosen, or set "
+      "time.force_step = true to run into the instability",
+      step->origin, key, step->seconds, limit, limiter, key));
 }
 
 }  // namespace coupling

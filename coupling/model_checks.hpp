@@ -12,7 +12,7 @@ namespace coupling {
 void check_overlaps(const Scene&, std::span<const fem::BodyCounts>);
 
 /// Throws base::UserError when a step set by hand exceeds its limit and time.force_step is off.
-void check_step(const std::string& key, const Scene&, std::optional<double> step, double limit,
+void check_step(const std::string& key, const Scene&, const std::optional<ChosenStep>&, double limit,
                 const std::string& limiter);
 
 }  // namespace coupling

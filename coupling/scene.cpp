@@ -13,17 +13,17 @@ using base::Value;
 
 namespace {
 
-std::optional<double> optional_real(const Value& table, const std::string& name) {
+std::optional<ChosenStep> chosen_step(const Value& table, const std::string& name) {
   const Value* value = table.find(name);
-  return value ? std::optional<double>(value->real()) : std::nullopt;
+  return value ? std::optional<ChosenStep>({value->real(), value->origin()}) : std::nullopt;
 }
 
 TimeSettings read_time(const Value& table) {
   TimeSettings time;
   time.dem_fraction = table.at("dem_fraction").real();
   time.fem_fraction = table.at("fem_fraction").real();
-  time.dem_step = optional_real(table, "dem_step");
-  time.fem_step = optional_real(table, "fem_step");
+  time.dem_step = chosen_step(table, "dem_step");
+  time.fem_step = chosen_step(table, "fem_step");
   time.force_step = table.at("force_step").boolean();
   return time;
 }

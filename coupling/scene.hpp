@@ -23,13 +23,23 @@ struct Box {
   Vec3 lower, upper;  // [m]
 };
 
+/// A step set by hand; above the limit: exit 2 unless force_step.
+struct ChosenStep {
+  double seconds = 0;
+  std::string origin;  // file:line
+};
+
 struct TimeSettings {
   double dem_fraction = 0.25;      // of the DEM stable-step limit (Rayleigh)
   double fem_fraction = 0.9;       // of the FEM stable-step limit (2/omega_max)
-  std::optional<double> dem_step;  // [s] set by hand; above the limit: exit 2 unless force_step
-  std::optional<double> fem_step;  // [s]
-  bool force_step = false;         // run with a step above its limit (it will become unstable)
+  std::optional<ChosenStep> dem_step, fem_step;
+  bool force_step = false;    // run with a step above its limit (it will become unstable)
 };
+
+/// The step set by hand, or `fraction` of the limit.
+inline double step_of(const std::optional<ChosenStep>& chosen, double fraction, double limit) {
+  return chosen ? chosen->seconds : fraction * limit;
+}
 
 /// A stretch of simulated time with its own helps (damping, held bodies, stiffness ramp). Run in file order.
 struct Stage {

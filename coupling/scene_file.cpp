@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <fstream>
 #include <sstream>
 
 #include "base/error.hpp"
@@ -97,6 +98,8 @@ Value read_file(const fs::path& path, std::vector<fs::path> above) {
     throw base::UserError(fmt::format("{}: the file includes itself; break the circle of includes", path.string()));
   }
   above.push_back(full);
+  base::require_user(std::ifstream(path).good(),
+                     fmt::format("{}: no permission to read it; change its permissions or copy it", path.string()));
   Value raw;
   try {
     raw = convert(toml::parse_file(path.string()), path.string(), "");

@@ -136,14 +136,12 @@ void Setup::look_at_the_start() {
   }
 }
 
-double Setup::wanted_dem_step() const {
-  return scene.time.dem_step.value_or(scene.time.dem_fraction * dem_limit.limit);
-}
+double Setup::wanted_dem_step() const { return step_of(scene.time.dem_step, scene.time.dem_fraction, dem_limit.limit); }
 
 void Setup::choose_window(double longest) {
   std::optional<double> d, f;
   if (scene.has_grains()) d = std::min(wanted_dem_step(), longest);
-  if (scene.has_bodies()) f = scene.time.fem_step.value_or(scene.time.fem_fraction * fem_limit.limit);
+  if (scene.has_bodies()) f = step_of(scene.time.fem_step, scene.time.fem_fraction, fem_limit.limit);
   window = coupling::choose_window(d, f);
 }
 

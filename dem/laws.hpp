@@ -182,6 +182,9 @@ struct AnyLaw {
   }
 };
 
+/// The most that a law and a rolling model keep.
+constexpr int maximum_numbers = AnyLaw::history + 1 + kernels::RollingC::history + 1;
+
 /// k_t [N/m] of a contact after press(): the last of the law's numbers.
 template <class Real>
 TRACKBED_HD Real shear_stiffness_of(const kernels::PairParameters& pair, const Real* numbers) {

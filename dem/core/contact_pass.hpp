@@ -25,10 +25,8 @@ TRACKBED_HD kernels::Moment<double> resist_rolling(const kernels::PairParameters
   if (pair.rolling == rolling_c) return kernels::RollingC::resist<Ledger>(pair, m.touch, contact, time, numbers);
   return {};
 }
-/// Where the rolling model's numbers begin in a row of `stride` numbers: at its end, whatever the law.
+/// How many numbers at the end of a row are the rolling model's, whatever the law.
 TRACKBED_HD inline int rolling_numbers(bool ledger) { return kernels::RollingC::history + (ledger ? 1 : 0); }
-/// The most that a law and a rolling model keep.
-constexpr int maximum_numbers = AnyLaw::history + 1 + kernels::RollingC::history + 1;
 
 struct PairGeometry {
   const Place* place;
@@ -91,7 +89,7 @@ struct ContactPass {
     }
     const auto& touch = meeting.touch;
     const double smaller = std::fmin(geometry.place[i].radius, geometry.place[j].radius);
-    if (touch.overlap > maximum_overlap * smaller) *unstable = 1;
+    if (touch.overlap > maximum_overlap * smaller) *unstable = overlap_too_large;
     const kernels::PairParameters& material = parameters[pair ? pair[c] : 0];
     double local[maximum_numbers] = {};
     for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];

@@ -31,6 +31,9 @@ struct GrainLedger {
   double loss_damping = 0;  // [J]
 };
 
+/// Why a pass gives up.
+enum Trouble : int { overlap_too_large = 1, too_many_wall_contacts = 2 };
+
 // ---- pairs of grains
 /// Force on i; j gets the opposite. Each grain's arm is -(radius - half_overlap) normal: both forces act at one point,
 /// so linear and angular momentum of the pair are kept to rounding.

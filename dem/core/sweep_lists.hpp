@@ -50,8 +50,6 @@ struct SweepLayout {
 class SweepLists {
  public:
   const SweepLayout& layout() const { return layout_; }
-  std::vector<SweepRange>& ranges() { return ranges_; }
-  const std::vector<SweepRange>& ranges() const { return ranges_; }
 
   /// Cuts the grains, sorted by bucket, into ranges and lists what is near.
   void find_near(const PairSearch& search, int grains, int threads) {
@@ -133,7 +131,7 @@ class SweepLists {
   /// Calls visit(i, j, history, numbers) for every listed pair once.
   template <class Visit>
   void each(Visit&& visit) const {
-    double history[maximum_history];
+    double history[maximum_numbers];
     for (const SweepRange& range : ranges_)
       for (bool border : {false, true}) {
         const auto& lists = border ? range.border : range.inner;
@@ -164,8 +162,6 @@ class SweepLists {
     }
     return total;
   }
-
-  static constexpr int maximum_history = 32;
 
  private:
   static void copy_history(const SweepPairs& list, int pair, int lanes, int numbers, double* to) {
@@ -239,7 +235,7 @@ class SweepLists {
     const int row = layout_.numbers[kind].total;
     list.history.resize(static_cast<std::size_t>(blocks) * lanes * row);
     if (old_.empty()) return;
-    double kept[maximum_history];
+    double kept[maximum_numbers];
     const int numbers = std::min(row, old_layout.numbers[kind].total);
     for (int c = 0; c < list.pairs; ++c) {
       const int a = renumbered ? grains.old_of_new[list.first[c]] : list.first[c];

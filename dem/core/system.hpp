@@ -73,6 +73,8 @@ class System final : public Simulation {
   void adapt_skin();
   void relist(double moved, double share);
   void evaluate(const kernels::Interval&, double ended);
+  template <class Visit>
+  void with_scene_law(const Visit&) const;
   void press_pairs(const kernels::Interval&);
   template <class Law>
   void press_walls(const kernels::Interval&, double ended);

@@ -190,15 +190,21 @@ inline SweepLayout System::sweep_layout() const {
 }
 #endif
 
+/// Calls `visit` for the leanest law that covers every pair of materials.
+template <class Visit>
+void System::with_scene_law(const Visit& visit) const {
+  if (mixed_laws_)
+    visit.template operator()<AnyLaw>();
+  else if (smooth_)
+    visit.template operator()<kernels::HertzSmooth>();
+  else
+    visit.template operator()<kernels::HertzMindlin>();
+}
+
 /// Forces at the present positions, added to grains_.pull or left with the pairs; the step that ends took `ended`.
 inline void System::evaluate(const kernels::Interval& time, double ended) {
   press_pairs(time);
-  if (mixed_laws_)
-    press_walls<AnyLaw>(time, ended);
-  else if (smooth_)
-    press_walls<kernels::HertzSmooth>(time, ended);
-  else
-    press_walls<kernels::HertzMindlin>(time, ended);
+  with_scene_law([&]<class Law>() { press_walls<Law>(time, ended); });
   last_ahead_ = time.ahead;
 }
 
@@ -223,6 +229,7 @@ ContactPass<Law> contact_pass(const Grains& grains, PairColumns& pairs, const ke
 inline void System::press_pairs(const kernels::Interval& time) {
 #if !defined(TRACKBED_DEM_CUDA)
   if (sweeps()) {
+    sweep_sums_ = {};
     if (grains_.size() == 0) return;
     const SweepInput rows{.place = &pointer(grains_.place)->position.x,
                           .motion = &pointer(grains_.motion)->vector.x,
@@ -246,15 +253,9 @@ inline void System::press_pairs(const kernels::Interval& time) {
 #endif
   const auto* parameters = pointer(grain_parameters_);
   int* unstable = pointer(trouble_);
-  const auto press = [&]<class Law>() {
+  with_scene_law([&]<class Law>() {
     launch(pairs_.size(), contact_pass<Law>(grains_, pairs_, parameters, unstable, setup_.maximum_overlap, time));
-  };
-  if (mixed_laws_)
-    press.template operator()<AnyLaw>();
-  else if (smooth_)
-    press.template operator()<kernels::HertzSmooth>();
-  else
-    press.template operator()<kernels::HertzMindlin>();
+  });
 }
 
 template <class Law>

@@ -13,7 +13,6 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 
 /// Contacts one grain can have with facets at one instant, before the hierarchy thins them out.
 constexpr int maximum_wall_contacts = 32;
-enum Trouble : int { overlap_too_large = 1, too_many_wall_contacts = 2 };
 
 struct WallLedger {
   double loss_friction = 0, loss_damping = 0;    // [J] since the last flush

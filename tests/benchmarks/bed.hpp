@@ -49,81 +49,76 @@ inline void put_into(dem::Simulation& simulation, const Bed& bed) {
     }
 }
 
-/// Spheres of a file (x,y,z,radius in m) in a box of 1.2 x 1.2 m. Without one, 20 000 spheres: a slightly compressed
-/// face-centred lattice of mixed radii, about 4 contacts per sphere.
+/// A box of this width [m], empty.
+inline Bed box(double width) { return {{}, {}, {}, {0, 0}, {width, width}}; }
+
+/// Loose random layers of grains that do not touch, at most `reach` m in radius: what settle() starts from.
+template <class Make>
+void fill_loosely(Bed& bed, int count, double reach, const Make& make) {
+  std::mt19937 random(1);
+  const int across = static_cast<int>((bed.high[0] - bed.low[0]) / (2.1 * reach));
+  const double spacing = (bed.high[0] - bed.low[0]) / across, play = 0.5 * spacing - reach;
+  std::uniform_real_distribution<double> shift(-play, play);
+  for (int k = 0; k < count; ++k) {
+    dem::Grain grain = make(random);
+    grain.id = k;
+    grain.position = {(k % across + 0.5) * spacing + shift(random),
+                      (k / across % across + 0.5) * spacing + shift(random),
+                      (k / (across * across) + 0.5) * spacing + shift(random)};
+    bed.grains.push_back(grain);
+  }
+}
+
+/// Lets a bed fall together and come to rest; what it then is, is the start of all codes.
+inline void settle(Bed& bed) {
+  const auto simulation = dem::Simulation::create(setup_of(false), dem::Backend::omp);
+  put_into(*simulation, bed);
+  simulation->set_grain_damping(2);
+  simulation->advance(35000, 8 * time_step);
+  simulation->set_grain_damping(50);
+  simulation->advance(5000, 8 * time_step);
+  bed.grains = simulation->grains();
+  for (dem::Grain& g : bed.grains) g.velocity = g.angular_velocity = {};
+  bed.spheres.clear();
+  for (const dem::GrainSphere& s : simulation->spheres()) bed.spheres.push_back({s.position, s.radius});
+}
+
+/// Spheres of a file (x,y,z,radius in m) in a box of 1.2 x 1.2 m; without one, 20 000 of 11 to 31 mm, poured.
 inline Bed sphere_bed(const std::string& csv) {
-  Bed bed{{}, {}, {}, {0, 0}, {1.2, 1.2}};
-  const auto add = [&](const Vec3& position, double radius) {
-    bed.grains.push_back({.position = position, .radius = radius, .id = static_cast<std::int64_t>(bed.grains.size())});
-    bed.spheres.push_back({position, radius});
-  };
-  if (!csv.empty()) {
-    for (const dem::Sphere& s : dem::read_spheres(csv)) add(s.position, s.radius);
+  Bed bed = box(1.2);
+  if (csv.empty()) {
+    std::uniform_real_distribution<double> radius(0.011, 0.031);
+    fill_loosely(bed, 20000, 0.031, [&](auto& random) { return dem::Grain{.radius = radius(random)}; });
+    settle(bed);
     return bed;
   }
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> smaller(0, 0.0004);
-  const int across = 28;
-  const double spacing = 1.2 / across;  // of the square layers; neighbours are spacing / sqrt(2) apart between layers
-  const double radius = 0.5 * spacing / std::sqrt(2.0) + 0.00018;
-  bed.low.fill(0.25 * spacing - radius);
-  bed.high.fill((across - 0.25) * spacing + radius);
-  for (int layer = 0; bed.grains.size() < 20000; ++layer)
-    for (int k = 0; k < 2 * across * across && bed.grains.size() < 20000; ++k) {
-      const int row = k / across, column = k % across;
-      const double x = (column + 0.5 * ((row + layer) % 2) + 0.25) * spacing, y = (0.5 * row + 0.25) * spacing;
-      add({x, y, 0.5 * layer * spacing + radius}, radius - smaller(random));
-    }
-  return bed;
-}
-
-/// Least distance [m] along `axis` at which two equal clumps, turned alike, do not overlap.
-inline double touching_distance(const dem::Clump& shape, int axis) {
-  double least = 0;
-  for (const dem::Sphere& a : shape.spheres)
-    for (const dem::Sphere& b : shape.spheres) {
-      const Vec3 between = b.position - a.position;
-      const double along = between[axis], reach = a.radius + b.radius;
-      const double aside = norm2(between) - along * along;
-      if (aside < reach * reach) least = std::max(least, std::sqrt(reach * reach - aside) - along);
-    }
-  return least;
-}
-
-/// 4000 clumps, all turned alike, in a slightly compressed simple lattice; its spheres are not written down.
-inline Bed clump_lattice(const dem::Clump& shape) {
-  const double squeeze = 2e-5;  // [m] overlap of neighbours
-  const int across = 12;
-  Bed bed{{}, {shape}, {}, {}, {}};
-  Vec3 spacing, lowest, highest;
-  for (int axis : {0, 1, 2}) {
-    spacing[axis] = touching_distance(shape, axis) - squeeze;
-    for (const dem::Sphere& s : shape.spheres) {
-      lowest[axis] = std::min(lowest[axis], s.position[axis] - s.radius);
-      highest[axis] = std::max(highest[axis], s.position[axis] + s.radius);
-    }
+  for (const dem::Sphere& s : dem::read_spheres(csv)) {
+    bed.grains.push_back(
+        {.position = s.position, .radius = s.radius, .id = static_cast<std::int64_t>(bed.grains.size())});
+    bed.spheres.push_back(s);
   }
-  for (int axis : {0, 1}) {
-    bed.low[axis] = lowest[axis] + squeeze;
-    bed.high[axis] = (across - 1) * spacing[axis] + highest[axis] - squeeze;
-  }
-  for (int k = 0; k < 4000; ++k)
-    bed.grains.push_back({.position = {(k % across) * spacing.x, (k / across % across) * spacing.y,
-                                       (k / (across * across)) * spacing.z - lowest.z - squeeze},
-                          .radius = shape.reach,
-                          .id = k,
-                          .shape = 0});
   return bed;
 }
 
 /// Clumps of a file (centroid x,y,z in m, unit quaternion w,x,y,z of the frame in which the stone's spheres are given)
-/// in a box of 0.72 x 0.72 m; without one, a lattice.
+/// in a box of 0.72 x 0.72 m; without one, 4000 turned at random and poured.
 inline Bed clump_bed(const std::string& csv, const std::vector<dem::Sphere>& stone) {
   const dem::Clump shape = dem::make_clump(stone);
-  if (csv.empty()) return clump_lattice(shape);
+  Bed bed = box(0.72);
+  bed.shapes = {shape};
+  if (csv.empty()) {
+    std::normal_distribution<double> part;
+    fill_loosely(bed, 4000, shape.reach, [&](auto& random) {
+      return dem::Grain{
+          .radius = shape.reach,
+          .shape = 0,
+          .orientation = dem::kernels::normalised({part(random), part(random), part(random), part(random)})};
+    });
+    settle(bed);
+    return bed;
+  }
   std::ifstream file(csv);
   base::require_user(file.good(), csv + ": cannot be read");
-  Bed bed{{}, {shape}, {}, {0, 0}, {0.72, 0.72}};
   std::string line;
   std::getline(file, line);
   for (int number = 2; std::getline(file, line); ++number) {
