@@ -50,7 +50,8 @@ GrainEstimate estimate_grains(const Setup& setup) {
   GrainEstimate estimate{part.list, fmt::format("{} listed", part.list.size()), 0};
   if (!part.packing) return estimate;
   const Packing& packing = *part.packing;
-  const PackingRegion region(setup.scene, setup.skins);
+  const auto surfaces = arriving_surfaces(setup.scene, setup.skins);
+  const PackingRegion region(setup.scene, surfaces);
   double solid = 0;
   for (std::size_t l = 0; l < packing.layers.size(); ++l) {
     const double volume = region.volume(l) * uncut_share(packing.layers[l].box, packing.cuts);
@@ -59,7 +60,7 @@ GrainEstimate estimate_grains(const Setup& setup) {
   }
   PackingReport report;
   std::optional<std::vector<dem::Grain>> cached;
-  if (packing.use_cache) cached = load_packing(packing_key(setup.scene, setup.skins, setup.backend), report);
+  if (packing.use_cache) cached = load_packing(packing_key(setup.scene, surfaces, setup.backend), report);
   if (cached) {
     estimate.source = fmt::format("{} from the cached packing, porosity {:.3f}", cached->size(), report.porosity);
     estimate.grains.insert(estimate.grains.end(), cached->begin(), cached->end());

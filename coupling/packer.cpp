@@ -110,6 +110,7 @@ void Packer::use_interactions(bool real) {
 void Packer::add_walls() {
   for (std::size_t number = 0; number < scene_.grains->walls.size(); ++number) {
     const WallScene& wall = scene_.grains->walls[number];
+    if (!stands_while_packing(scene_, wall)) continue;
     const int added = wall.plane ? simulation_->add_plane(*wall.plane, wall.material)
                                  : simulation_->add_mesh(region_.wall_surface(number), wall.material, wall.two_sided);
     if (wall.packing_only) temporary_walls_.push_back(added);
@@ -120,11 +121,10 @@ void Packer::add_walls() {
 void Packer::bring_bodies(std::size_t layer) {
   for (const int body : region_.arriving(layer)) {
     base::Skin skin = skins_[static_cast<std::size_t>(body)];
-    const auto material = scene_.grains->body_material.find(skin.body);
-    base::require_internal(material != scene_.grains->body_material.end(), "a body's skin has a contact material");
+    const int material = surface_material(scene_, skin.body);
     const double lift = clearing_lift(region_.obstacle(body));
     for (Vec3& node : skin.nodes) node.z += lift;
-    const int wall = simulation_->add_mesh(skin, material->second, false);
+    const int wall = simulation_->add_mesh(skin, material, false);
     if (lift > 0) {
       spdlog::info("body \"{}\" is set down from {:.1f} mm above its place", skin.body, 1e3 * lift);
       const double speed = bedding_share * packing_.plate_speed;
@@ -133,7 +133,7 @@ void Packer::bring_bodies(std::size_t layer) {
       simulation_->set_wall_velocity(wall, {});
     }
     const base::Skin& rim = region_.rim(body);
-    if (!rim.facets.empty()) temporary_walls_.push_back(simulation_->add_mesh(rim, material->second, false));
+    if (!rim.facets.empty()) temporary_walls_.push_back(simulation_->add_mesh(rim, material, false));
   }
 }
 

@@ -56,14 +56,15 @@ std::vector<dem::Grain> pack(const Scene& scene, const std::vector<base::Skin>& 
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   report = {};
   const bool use_cache = scene.grains->packing->use_cache;
-  const std::string key = packing_key(scene, skins, backend);
+  const auto surfaces = arriving_surfaces(scene, skins);
+  const std::string key = packing_key(scene, surfaces, backend);
   if (use_cache) {
     if (auto cached = load_packing(key, report)) {
       report.seconds = elapsed();
       return *cached;
     }
   }
-  Packer packer(scene, skins, backend);
+  Packer packer(scene, surfaces, backend);
   std::vector<dem::Grain> grains = packer.run(report);
   std::int64_t first_id = 0;  // grains that the scene lists keep their own ids
   for (const dem::Grain& grain : scene.grains->list) first_id = std::max(first_id, grain.id + 1);

@@ -184,8 +184,9 @@ std::string packing_key(const Scene& scene, const std::vector<base::Skin>& skins
     for (const dem::Sphere& sphere : shape.clump.spheres) hash.add(sphere.position), hash.add(sphere.radius);
   add_packing(hash, *grains.packing);
   for (const WallScene& wall : grains.walls) {
+    if (wall.run_only) continue;
     if (wall.plane) hash.add(*wall.plane);
-    hash.add(wall.mesh.string());
+    hash.add(wall.mesh.string()), hash.add(wall.translation);
     std::error_code ignored;
     if (!wall.mesh.empty()) hash.add(static_cast<std::uint64_t>(fs::file_size(wall.mesh, ignored)));
     for (const auto& [name, value] : wall.mesh_parameters) hash.add(name), hash.add(value);

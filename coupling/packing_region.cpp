@@ -29,6 +29,32 @@ Vec3 unit(const Vec3& v) {
 
 double height_above(const dem::Plane& plane, const Vec3& point) { return dot(point - plane.point, unit(plane.normal)); }
 
+std::vector<base::Skin> arriving_surfaces(const Scene& scene, const std::vector<base::Skin>& skins) {
+  std::vector<base::Skin> all = skins;
+  for (const WallScene& wall : scene.grains->walls) {
+    if (wall.run_only || stands_while_packing(scene, wall)) continue;
+    all.push_back(read_wall_mesh(wall));
+    all.back().body = wall.name;
+  }
+  return all;
+}
+
+int surface_material(const Scene& scene, const std::string& name) {
+  for (const WallScene& wall : scene.grains->walls)
+    if (wall.name == name) return wall.material;
+  const auto body = scene.grains->body_material.find(name);
+  base::require_internal(body != scene.grains->body_material.end(), "a body's skin has a contact material");
+  return body->second;
+}
+
+bool stands_while_packing(const Scene& scene, const WallScene& wall) {
+  if (wall.run_only) return false;
+  const auto& layers = scene.grains->packing->layers;
+  return std::none_of(layers.begin(), layers.end(), [&](const PackingLayer& layer) {
+    return std::count(layer.bodies.begin(), layer.bodies.end(), wall.name) > 0;
+  });
+}
+
 PackingRegion::PackingRegion(const Scene& scene, const std::vector<base::Skin>& skins)
     : scene_(scene), packing_(*scene.grains->packing) {
   base::require_user(!packing_.layers.empty(),
@@ -45,8 +71,9 @@ PackingRegion::PackingRegion(const Scene& scene, const std::vector<base::Skin>& 
     }
   }
   for (const WallScene& wall : scene.grains->walls) {
-    if (wall.plane) planes_.push_back({wall.plane->point, unit(wall.plane->normal)});
-    wall_surfaces_.push_back(wall.plane ? base::Skin{} : read_wall_mesh(wall));
+    const bool stands = stands_while_packing(scene, wall);
+    if (wall.plane && stands) planes_.push_back({wall.plane->point, unit(wall.plane->normal)});
+    wall_surfaces_.push_back(wall.plane || !stands ? base::Skin{} : read_wall_mesh(wall));
     wall_obstacles_.emplace_back(wall_surfaces_.back());
   }
   arriving_.resize(packing_.layers.size());

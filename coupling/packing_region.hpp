@@ -8,9 +8,16 @@
 
 namespace coupling {
 
+/// Surfaces that are brought in place layer by layer: the bodies' skins, then the mesh walls that layers name.
+std::vector<base::Skin> arriving_surfaces(const Scene&, const std::vector<base::Skin>& skins);
+/// Contact material of such a surface.
+int surface_material(const Scene&, const std::string& name);
+/// True for walls that stand from the first: neither brought by a layer nor by the run.
+bool stands_while_packing(const Scene&, const WallScene&);
+
 class PackingRegion {
  public:
-  /// `skins`: one per body that has a skin. Reads the files of mesh walls. Throws base::UserError when the packing
+  /// `skins`: of arriving_surfaces(). Reads the files of mesh walls. Throws base::UserError when the packing
   /// cannot make sense in this scene.
   PackingRegion(const Scene&, const std::vector<base::Skin>& skins);
 

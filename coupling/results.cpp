@@ -44,6 +44,16 @@ double largest_magnitude(std::span<const double> values) {
   return largest;
 }
 
+/// Value when `over` first reaches the level, from either side; NaN when it never does.
+double value_at(std::span<const double> values, std::span<const double> over, double level) {
+  for (std::size_t i = 1; i < over.size(); ++i) {
+    if ((over[i - 1] < level) == (over[i] < level)) continue;
+    const double share = (level - over[i - 1]) / (over[i] - over[i - 1]);
+    return values[i - 1] + share * (values[i] - values[i - 1]);
+  }
+  return std::nan("");
+}
+
 std::size_t probe_index(const Scene& scene, const std::string& name) {
   for (std::size_t p = 0; p < scene.probes.size(); ++p)
     if (scene.probes[p].name == name) return p;
@@ -52,8 +62,20 @@ std::size_t probe_index(const Scene& scene, const std::string& name) {
 
 }  // namespace
 
+std::vector<double> moving_mean(std::span<const double> time, std::span<const double> values, double width) {
+  std::vector<double> means;
+  std::size_t first = 0, end = 0;
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    for (; end < values.size() && time[end] <= time[i] + 0.5 * width; ++end) sum += values[end];
+    for (; time[first] < time[i] - 0.5 * width; ++first) sum -= values[first];
+    means.push_back(sum / static_cast<double>(end - first));
+  }
+  return means;
+}
+
 double take(const std::string& how, std::span<const double> time, std::span<const double> values,
-            std::span<const double> over) {
+            std::span<const double> over, double level) {
   if (values.empty()) return std::nan("");
   if (how == "first") return values.front();
   if (how == "last") return values.back();
@@ -66,6 +88,7 @@ double take(const std::string& how, std::span<const double> time, std::span<cons
   if (how == "range")
     return *std::max_element(values.begin(), values.end()) - *std::min_element(values.begin(), values.end());
   if (how == "frequency") return frequency(time, values);
+  if (how == "at") return value_at(values, over, level);
   if (how == "ratio") return largest_magnitude(values) / largest_magnitude(over);
   throw base::InternalError("unknown way to take a result");
 }
@@ -74,9 +97,10 @@ std::vector<Outcome> evaluate(const Scene& scene, const Series& series) {
   std::vector<Outcome> outcomes;
   if (series.time.empty()) return outcomes;  // stopped before the measured stage
   for (const auto& result : scene.results) {
-    const auto& values = series.columns[probe_index(scene, result.probe)];
+    const auto& taken = series.columns[probe_index(scene, result.probe)];
+    const auto values = result.smoothed > 0 ? moving_mean(series.time, taken, result.smoothed) : taken;
     const auto& over = result.over.empty() ? values : series.columns[probe_index(scene, result.over)];
-    const double value = result.scale * take(result.take, series.time, values, over);
+    const double value = result.scale * take(result.take, series.time, values, over, result.level);
     Outcome outcome;
     outcome.result = &result;
     outcome.value = value / base::parse_unit(result.unit).to_si(1);

@@ -23,10 +23,13 @@ struct Outcome {
 };
 
 /// first | last | min | max | first_peak (before the first fall through mid-range) | max_abs | mean | range | rise (max
-/// - first) | frequency | ratio of a probe's series. `frequency`: from the first to the last rising crossing of the
-/// mid-range level, crossings interpolated linearly [Hz].
+/// - first) | frequency | ratio | at (when `over` first reaches `level`; NaN: never) of a probe's series. `frequency`:
+/// from the first to the last rising crossing of the mid-range level, crossings interpolated linearly [Hz].
 double take(const std::string& how, std::span<const double> time, std::span<const double> values,
-            std::span<const double> over);
+            std::span<const double> over, double level = 0);
+
+/// Mean over all samples within width / 2 [s] of each.
+std::vector<double> moving_mean(std::span<const double> time, std::span<const double> values, double width);
 
 /// One outcome per result of the scene; none when nothing was sampled.
 std::vector<Outcome> evaluate(const Scene&, const Series&);

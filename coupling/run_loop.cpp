@@ -67,6 +67,7 @@ void RunLoop::begin(const Stage& stage) {
   if (setup_.grains) {
     setup_.grains->set_grain_damping(stage.grain_damping);
     if (!stage.ramp_stiffness) setup_.grains->set_material(0, scene.grains->materials[0]);
+    begin_walls();
   }
   if (setup_.bodies)
     for (const auto& body : scene.bodies) {
@@ -80,6 +81,40 @@ void RunLoop::begin(const Stage& stage) {
   if (stage.measure || (!any_measured && stage_ == 0)) zero();
 }
 
+/// What the scene wants of its walls from the start of this stage on.
+void RunLoop::begin_walls() {
+  removed_ = false;
+  const auto& walls = setup_.scene.grains->walls;
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (setup_.named_walls[w] < 0) continue;
+    for (const WallMotion& motion : walls[w].motions)
+      if (motion.stage == stage_) setup_.grains->set_wall_velocity(setup_.named_walls[w], motion.velocity);
+    if (walls[w].removed_at != stage_) continue;
+    setup_.grains->remove_wall(setup_.named_walls[w]);
+    setup_.named_walls[w] = -1;
+    sampler_.forget_wall(w);
+    removed_ = true;
+  }
+  load_walls();
+}
+
+bool RunLoop::steers_walls() const {
+  if (!setup_.scene.has_grains()) return false;
+  const auto& walls = setup_.scene.grains->walls;
+  return std::any_of(walls.begin(), walls.end(),
+                     [](const WallScene& wall) { return wall.body && !wall.body->loads.empty(); });
+}
+
+void RunLoop::load_walls() {
+  const auto& walls = setup_.scene.grains->walls;
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (setup_.named_walls[w] < 0 || !walls[w].body) continue;
+    Vec3 force;
+    for (const WallLoad& load : walls[w].body->loads) force += load.history->value(time_) * load.direction;
+    setup_.grains->set_wall_load(setup_.named_walls[w], force, {});
+  }
+}
+
 /// From here on displacements, ledgers and results count.
 void RunLoop::zero() {
   measuring_ = true;
@@ -89,7 +124,7 @@ void RunLoop::zero() {
   }
   if (setup_.grains) {
     // A packing's contacts hold energy, which is known once they have been looked at.
-    if (dem_steps_ == 0) setup_.grains->advance(0, setup_.window.dt_dem);
+    if (dem_steps_ == 0 || removed_) setup_.grains->advance(0, setup_.window.dt_dem);
     setup_.grains->reset_energy();
   }
   ledger_.start(sampler_.sample(true).energy);
@@ -274,8 +309,10 @@ void RunLoop::run(std::optional<double> until) {
         double instant = std::min(end, next_picture);
         if (output.probe_interval > 0) instant = std::min(instant, next_probe);
         if (stage.ramp_stiffness) instant = std::min(instant, time_ + 16 * setup_.window.dt_dem);
+        if (steers_walls()) instant = std::min(instant, time_ + 32 * setup_.window.dt_dem);
         setup_.aim_at(instant - time_);
         if (stage.ramp_stiffness && (alone || window % 16 == 0)) ramp((time_ - first) / stage.duration);
+        if (setup_.grains && steers_walls()) load_walls();
         if (!step_window()) raise({Failure::internal, ""});
         // An instant has come when the middle of the next window (or of the next step, where windows are cut to fit)
         // would lie beyond it.

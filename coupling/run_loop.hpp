@@ -29,9 +29,12 @@ class RunLoop {
 
  private:
   void begin(const Stage&);
+  void begin_walls();
+  void load_walls();
   void zero();
   void ramp(double share);
-  bool step_window();  // false: this rank or the other side has failed
+  bool steers_walls() const;  // some wall is pulled by a load that may change
+  bool step_window();         // false: this rank or the other side has failed
   bool fem_begin();
   bool dem_window();
   bool fem_end();
@@ -54,7 +57,7 @@ class RunLoop {
   Ledger ledger_;
   double time_ = 0, total_ = 0;
   int stage_ = 0;
-  bool measuring_ = false;
+  bool measuring_ = false, removed_ = false;  // removed: walls, at the start of this stage
   double smallest_contact_step_ = 0;
   int samples_since_bound_ = 0;
   double dem_seconds_ = 0, fem_seconds_ = 0, output_seconds_ = 0;

@@ -1,6 +1,7 @@
 #include "coupling/sampler.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 #include "base/error.hpp"
@@ -66,6 +67,10 @@ Sampler::Sample Sampler::sample(bool thorough) {
     const bool slow = probe.kind == ProbeKind::porosity || probe.kind == ProbeKind::coordination;
     if (is_body_probe(probe))
       kept_[p] = from_bodies[next++];
+    else if (!probe.of.empty())
+      kept_[p] = combination(probe);
+    else if (probe.kind == ProbeKind::wall_displacement || probe.kind == ProbeKind::wall_velocity)
+      kept_[p] = wall_probe(probe, kept_[p]);
     else if (!slow || thorough)
       kept_[p] = grain_probe(probe);
   }
@@ -83,14 +88,36 @@ double Sampler::body_probe(const Probe& probe) const {
   return probe.scale * value[probe.component];
 }
 
+int Sampler::wall_number(const std::string& name) const {
+  for (std::size_t w = 0; w < named_walls_.size(); ++w)
+    if (scene_.grains->walls[w].name == name) return named_walls_[w];
+  return -1;
+}
+
+double Sampler::wall_probe(const Probe& probe, double last) const {
+  const int wall = wall_number(probe.wall);
+  const bool moves = probe.kind == ProbeKind::wall_velocity;
+  if (wall < 0) return moves ? 0 : last;
+  return probe.scale * (moves ? grains_->wall_velocity(wall) : grains_->wall_displacement(wall))[probe.component];
+}
+
+/// Of probes that have been taken already.
+double Sampler::combination(const Probe& probe) const {
+  if (probe.kind == ProbeKind::angle) return probe.scale * std::atan2(kept_[probe.of[0]], kept_[probe.of[1]]);
+  if (probe.kind == ProbeKind::quotient)
+    return kept_[probe.of[1]] == 0 ? 0 : probe.scale * kept_[probe.of[0]] / kept_[probe.of[1]];
+  double sum = probe.offset;
+  for (std::size_t k = 0; k < probe.of.size(); ++k) sum += probe.factors[k] * kept_[probe.of[k]];
+  return probe.scale * sum;
+}
+
 double Sampler::contact_force(const Probe& probe) const {
   if (!have_wall_contacts_) wall_contacts_ = grains_->wall_contacts();
   have_wall_contacts_ = true;
   int wall = -1;
   for (std::size_t s = 0; s < skins_.size(); ++s)
     if (!probe.body.empty() && skins_[s].body == probe.body) wall = walls_[s];
-  for (std::size_t w = 0; w < named_walls_.size(); ++w)
-    if (!probe.wall.empty() && scene_.grains->walls[w].name == probe.wall) wall = named_walls_[w];
+  if (!probe.wall.empty()) wall = wall_number(probe.wall);
   double force = 0;  // [N] of the grains on the surface
   for (const auto& contact : wall_contacts_)
     if (contact.wall == wall && (!probe.box || contains(*probe.box, contact.point)))

@@ -25,11 +25,16 @@ class Sampler {
   /// Collective over the world; the answer is whole on the root only. Lattice and list probes (porosity, coordination)
   /// cost more than a step: they are taken afresh only if `thorough`, and keep their last value otherwise.
   Sample sample(bool thorough);
+  /// A scene wall that has been taken away: no force any more, its last place.
+  void forget_wall(std::size_t wall) { named_walls_[wall] = -1; }
 
  private:
   double grain_probe(const Probe&) const;
   double body_probe(const Probe&) const;
   double contact_force(const Probe&) const;
+  double wall_probe(const Probe&, double last) const;
+  double combination(const Probe&) const;
+  int wall_number(const std::string& name) const;
   const dem::Grain& grain(std::int64_t id) const;
 
   const Roles& roles_;

@@ -30,10 +30,10 @@ struct ChosenStep {
 };
 
 struct TimeSettings {
-  double dem_fraction = 0.25;      // of the DEM stable-step limit (Rayleigh)
-  double fem_fraction = 0.9;       // of the FEM stable-step limit (2/omega_max)
+  double dem_fraction = 0.25;  // of the DEM stable-step limit (Rayleigh)
+  double fem_fraction = 0.9;   // of the FEM stable-step limit (2/omega_max)
   std::optional<ChosenStep> dem_step, fem_step;
-  bool force_step = false;    // run with a step above its limit (it will become unstable)
+  bool force_step = false;  // run with a step above its limit (it will become unstable)
 };
 
 /// The step set by hand, or `fraction` of the limit.
@@ -53,15 +53,37 @@ struct Stage {
   std::string origin;           // file:line
 };
 
+struct WallLoad {
+  Vec3 direction;  // [N] or [m2] per unit of the history
+  base::HistoryPtr history;
+};
+
+/// The wall moves as a rigid body.
+struct WallBodyScene {
+  dem::WallBody is;            // its centre is filled in when the mesh is there
+  std::optional<Vec3> centre;  // [m] absent: mean of the mesh's nodes
+  std::vector<WallLoad> loads;
+};
+
+struct WallMotion {
+  int stage = 0;  // from its start on
+  Vec3 velocity;  // [m/s]
+};
+
 struct WallScene {
   std::string name;
   std::optional<dem::Plane> plane;  // either a plane …
   std::filesystem::path mesh;       // … or a surface mesh (.stl, .msh, .geo)
   std::map<std::string, double> mesh_parameters;
+  Vec3 translation;  // [m] of the mesh
   int material = 0;
-  Vec3 velocity;  // [m/s] rigid translation
+  Vec3 velocity;                    // [m/s] rigid translation
+  std::vector<WallMotion> motions;  // other velocities, by stages
+  std::optional<WallBodyScene> body;
+  int removed_at = -1;  // stage at whose start it is taken away
   bool two_sided = false;
   bool packing_only = false;  // taken away when the packing is done
+  bool run_only = false;      // comes when the packing is done
   std::string origin;
 };
 
@@ -70,7 +92,7 @@ struct PackingLayer {
   Box box;                          // [m] what the lift is to fill
   double overfill = 0.1;            // more solid volume than needed by this share
   bool plate = true;                // press a level plate down to the box's top afterwards
-  std::vector<std::string> bodies;  // deformable bodies already in place (as rigid surfaces), e.g. the sleeper
+  std::vector<std::string> bodies;  // bodies and mesh walls already in place (as rigid surfaces), e.g. the sleeper
   double settle = 0.5;              // [s] time for the grains to come down and calm
   std::string origin;
 };
@@ -123,7 +145,12 @@ enum class ProbeKind {
   kinetic_energy,  // of all grains
   grain_position,
   grain_velocity,
-  grain_angular_velocity  // of one grain (id), component
+  grain_angular_velocity,  // of one grain (id), component
+  wall_displacement,
+  wall_velocity,  // of a rigid wall, component
+  sum,
+  quotient,
+  angle  // of other probes that stand before it
 };
 struct Probe {
   std::string name;
@@ -136,6 +163,9 @@ struct Probe {
   double scale = 1;
   int component = 2;
   std::int64_t grain = 0;
+  std::vector<std::size_t> of;  // indices of other probes
+  std::vector<double> factors;  // of a sum
+  double offset = 0;            // of a sum
   std::string origin;
 };
 
@@ -143,8 +173,10 @@ struct Result {
   std::string name;
   std::string probe;
   std::string take =
-      "last";        // first | last | min | max | first_peak | rise | max_abs | mean | range | frequency | ratio
-  std::string over;  // for ratio: max|probe| / max|over|
+      "last";        // first | last | min | max | first_peak | rise | max_abs | mean | range | frequency | ratio | at
+  std::string over;  // for ratio: max|probe| / max|over|; for at: what reaches `level`
+  double level = 0;  // of `over`, SI
+  double smoothed = 0;  // [s] width of a moving mean taken first; 0: none
   double scale = 1;
   std::string unit;                                     // shown; the values here are SI
   std::optional<double> expected;                       // one value …

@@ -51,9 +51,6 @@ void build_stages(Value& root, Scene& scene) {
   }
 }
 
-namespace {
-
-/// Simulated time [s] at which the history's own time is zero.
 double history_zero(const Value& history, const Scene& scene) {
   const Value* wanted = history.find("start_stage");
   if (!wanted) return 0;
@@ -67,6 +64,8 @@ double history_zero(const Value& history, const Scene& scene) {
   require_known(*wanted, names, "stage", "stages");
   return time;
 }
+
+namespace {
 
 fem::Load read_load(const Value& row, const Scene& scene) {
   fem::Load load;

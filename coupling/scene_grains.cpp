@@ -25,7 +25,7 @@ int add_material(GrainsScene& grains, dem::Material material, const dem::Interac
   return static_cast<int>(n - 1);
 }
 
-WallScene read_wall(Value& row, const Value& grains_table, GrainsScene& grains) {
+WallScene read_wall(Value& row, const Value& grains_table, const Scene& scene, GrainsScene& grains) {
   WallScene wall;
   wall.name = row.at("name").text();
   if (row.has("plane") == row.has("mesh")) {
@@ -35,11 +35,14 @@ WallScene read_wall(Value& row, const Value& grains_table, GrainsScene& grains) 
     wall.plane = read_plane(row.at("plane"));
     if (!row.at("mesh_parameters").table().empty()) fail(row.at("mesh_parameters"), "a plane has none", "remove it");
     if (row.at("two_sided").boolean()) fail(row.at("two_sided"), "a plane has one side", "use a mesh, or two planes");
+    if (base::norm(row.at("translation").vector()) > 0)
+      fail(row.at("translation"), "a plane has its point", "change plane.point");
   } else {
     require_mesh_parameters(row);
     wall.mesh = row.at("mesh").text();
   }
   wall.mesh_parameters = read_numbers(row.at("mesh_parameters"));
+  wall.translation = row.at("translation").vector();
   const dem::Interaction contact = read_contact(row, &grains_table);
   if (row.has("material")) refuse_elastic_constants(row.at("material"), contact);
   dem::Material elastic{wall.name, grains.materials[0].young_modulus, grains.materials[0].poisson_ratio, 0};
@@ -52,9 +55,8 @@ WallScene read_wall(Value& row, const Value& grains_table, GrainsScene& grains) 
     material.set("poisson_ratio", elastic.poisson_ratio);
   }
   wall.material = add_material(grains, std::move(elastic), contact);
-  wall.velocity = row.at("velocity").vector();
+  read_wall_motion(row, scene, wall);
   wall.two_sided = row.at("two_sided").boolean();
-  wall.packing_only = row.at("packing_only").boolean();
   wall.origin = row.origin();
   return wall;
 }
@@ -138,8 +140,11 @@ PackingLayer read_layer(const Value& row, const Value& root) {
   layer.overfill = row.at("overfill").real();
   layer.plate = row.at("plate").boolean();
   layer.bodies = row.at("bodies").texts();
+  std::vector<std::string> known = names_of(root.rows("body"));
+  for (const auto& wall : root.rows("wall"))
+    if (wall.has("mesh") && !wall.at("run_only").boolean()) known.push_back(wall.at("name").text());
   for (const auto& name : row.at("bodies").list()) {
-    require_known(name, names_of(root.rows("body")), "body", "bodies");
+    require_known(name, known, "body", "bodies and mesh walls");
     for (const auto& body : root.rows("body")) {
       if (body.at("name").text() == name.text() && body.at("skin").list().empty()) {
         fail(name, "the body has no skin that grains could touch", "give it skin = [...], or leave it out");
@@ -236,7 +241,7 @@ void build_grains(Value& root, Scene& scene) {
     grains.list.push_back(grain);
   }
   require_unique(walls, "wall");
-  for (auto& row : walls) grains.walls.push_back(read_wall(row, table, grains));
+  for (auto& row : walls) grains.walls.push_back(read_wall(row, table, scene, grains));
   for (auto& row : root.at("body").list()) build_contact(row, table, grains);
   if (root.has("packing")) grains.packing = read_packing(root.at("packing"), root, contact);
   scene.grains = std::move(grains);

@@ -74,7 +74,11 @@ std::string packing_hash(const Value& root, const Scene& scene) {
   packing.table().erase("cache");
   print.add(base::to_toml(packing, packing_table()));
   for (const auto& grain : root.rows("grain")) print.add(base::to_toml(grain, grain_table()));
-  for (const auto& wall : root.rows("wall")) add_with_mesh(print, wall, wall_table());
+  for (Value wall : root.rows("wall")) {
+    if (wall.at("run_only").boolean()) continue;
+    for (const char* later : {"velocity", "motion", "body", "load", "removed_at"}) wall.table().erase(later);
+    add_with_mesh(print, wall, wall_table());
+  }
   for (const auto& body : root.rows("body")) {
     const auto& layers = scene.grains->packing->layers;
     const bool named = std::any_of(layers.begin(), layers.end(), [&](const PackingLayer& layer) {

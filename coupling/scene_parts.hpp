@@ -33,6 +33,14 @@ bool reads_elastic_constants(const dem::Interaction&);
 /// Throws when the contact's law reads no elastic constants; `value` states some.
 void refuse_elastic_constants(const base::Value& value, const dem::Interaction&);
 
+// ---- scene_bodies.cpp
+/// Simulated time [s] at which the time of a checked history is zero.
+double history_zero(const base::Value& history, const Scene&);
+
+// ---- scene_walls.cpp
+/// How a wall moves; the stages are built.
+void read_wall_motion(const base::Value& row, const Scene&, WallScene&);
+
 // ---- one for each part of the file; `root` is the checked scene
 void build_stages(base::Value& root, Scene&);
 void build_bodies(base::Value& root, Scene&);

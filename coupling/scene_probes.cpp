@@ -1,6 +1,8 @@
 // Probes and results of a scene.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/quantity.hpp"
 #include "base/text.hpp"
 #include "coupling/scene_parts.hpp"
@@ -64,6 +66,42 @@ void read_grain_number(const Value& number, const Scene& scene, Probe& probe) {
   probe.grain = number.integer();
 }
 
+/// A probe of other probes: their indices, factors and unit.
+void read_combination(const Value& row, const Scene& scene, Probe& probe) {
+  std::vector<std::string> before;
+  for (const auto& other : scene.probes) before.push_back(other.name);
+  for (const auto& name : row.at("of").list()) {
+    require_known(name, before, "probe before this one", "probes before this one");
+    probe.of.push_back(static_cast<std::size_t>(std::find(before.begin(), before.end(), name.text()) - before.begin()));
+  }
+  const auto unit = [&](std::size_t k) { return scene.probes[probe.of[k]].unit; };
+  if (probe.kind != ProbeKind::sum) {
+    if (probe.of.size() != 2) fail(row.at("of"), "must name two probes", "the one above the line, then the one below");
+    if (probe.kind == ProbeKind::quotient && unit(0) != unit(1))
+      probe.unit = unit(1).empty() ? unit(0) : fmt::format("{}/{}", unit(0).empty() ? "1" : unit(0), unit(1));
+    if (probe.kind == ProbeKind::angle && unit(0) != unit(1))
+      fail(row.at("of"), fmt::format("units {} and {} make no angle", unit(0), unit(1)), "name probes of one unit");
+    return;
+  }
+  if (probe.of.empty()) fail(row.at("of"), "names no probe", "name one or more");
+  probe.factors.assign(probe.of.size(), 1.0);
+  if (const Value* factors = row.find("factors")) probe.factors = factors->reals();
+  if (probe.factors.size() != probe.of.size())
+    fail(row.at("factors"), fmt::format("{} factors for {} probes", probe.factors.size(), probe.of.size()),
+         "give one for every probe");
+  probe.offset = row.at("offset").real();
+  probe.unit = row.has("unit") ? row.at("unit").text() : unit(0);
+  for (std::size_t k = 1; k < probe.of.size(); ++k)
+    if (!row.has("unit") && unit(k) != unit(0))
+      fail(row.at("of"), fmt::format("adds {} to {}", unit(k), unit(0)), "name probes of one unit, or give unit");
+  try {
+    if (base::parse_unit(probe.unit).to_si(1) != 1)
+      fail(row.at("unit"), "must be an SI unit: probes have SI values", "for example N instead of kN");
+  } catch (const base::QuantityError& error) {
+    fail(row.at("unit"), error.rule, error.remedy);
+  }
+}
+
 Probe read_probe(const Value& row, const Scene& scene) {
   Probe probe;
   probe.name = row.at("name").text();
@@ -75,7 +113,9 @@ Probe read_probe(const Value& row, const Scene& scene) {
   probe.scale = row.at("scale").real();
   probe.origin = row.origin();
   const auto where = kinds[kind].where;
-  const bool of_grains = where != ProbeRow::body_motion && where != ProbeRow::load;
+  const bool combined = where == ProbeRow::sum || where == ProbeRow::pair;
+  if (combined) read_combination(row, scene, probe);
+  const bool of_grains = where != ProbeRow::body_motion && where != ProbeRow::load && !combined;
   if (of_grains && !scene.has_grains()) fail(row.at("kind"), "there are no grains to measure", "remove the probe");
   if (where == ProbeRow::body_motion) require_one(row, "group", "point");
   if (where == ProbeRow::contact || where == ProbeRow::contact_area) require_one(row, "body", "wall");
@@ -139,12 +179,23 @@ Result read_result(Value& row, const Scene& scene) {
   result.probe = row.at("probe").text();
   require_known(row.at("probe"), probes, "probe", "probes");
   result.take = row.at("take").text();
+  const bool at = result.take == "at";
   if (result.take == "ratio" && !row.has("over")) fail(row, "\"over\" is missing", "add the probe to divide by");
+  if (at && !row.has("over")) fail(row, "\"over\" is missing", "add the probe that reaches the level");
+  if (at != row.has("level"))
+    fail(at ? row : row.at("level"), at ? "\"level\" is missing" : "only take = \"at\" has a level",
+         at ? "add the value that `over` is to reach" : "remove it, or set take = \"at\"");
   if (const Value* over = row.find("over")) {
-    if (result.take != "ratio") fail(*over, "only take = \"ratio\" divides", "remove it, or set take = \"ratio\"");
+    if (result.take != "ratio" && !at)
+      fail(*over, "only take = \"ratio\" divides", "remove it, or set take = \"ratio\" or \"at\"");
     require_known(*over, probes, "probe", "probes");
     result.over = over->text();
   }
+  if (at) {
+    result.level = base::number_of(row.at("level"), unit_of(scene, result.over));
+    row.at("level").data = result.level;
+  }
+  result.smoothed = row.at("smoothed").real();
   result.scale = row.at("scale").real();
   const std::string si = value_unit(row, scene);
   result.unit = shown_unit(row, si);

@@ -2,6 +2,7 @@
 
 #include "base/histories.hpp"
 #include "coupling/contact_tables.hpp"
+#include "coupling/wall_tables.hpp"
 #include "fem/fem.hpp"
 
 namespace coupling {
@@ -131,11 +132,10 @@ const Table& wall_table() {
               base::table("plane", plane_table(), "an infinite plane").optional("`mesh` instead"),
               base::path("mesh", "a surface from a .stl, .msh or .geo file").optional("`plane` instead"),
               base::numbers("mesh_parameters", "", "numbers set in the .geo").otherwise_empty(),
+              base::vector("translation", "m", "added to every node of the mesh").otherwise(Vec3{}),
               base::table("material", wall_material_table(), "of the wall").optional(own),
-              base::vector("velocity", "m/s", "rigid translation").otherwise(Vec3{}),
-              base::boolean("two_sided", "grains may touch a mesh from either side").otherwise(false),
-              base::boolean("packing_only", "taken away when the packing is done").otherwise(false)},
-             partner_contact_parameters())};
+              base::boolean("two_sided", "grains may touch a mesh from either side").otherwise(false)},
+             joined(wall_motion_parameters(), partner_contact_parameters()))};
   return table;
 }
 
@@ -146,7 +146,8 @@ const Table& layer_table() {
       {base::table("box", box_table(), "what the lift is to fill"),
        base::real("overfill", "", "more solid volume than needed by this share").at_least(0).otherwise(0.1),
        base::boolean("plate", "press a level plate down to the box's top afterwards").otherwise(true),
-       base::texts("bodies", "bodies already in place, as rigid surfaces").otherwise_empty(),
+       base::texts("bodies", "bodies (and mesh walls) that are in place from this layer on, as rigid surfaces")
+           .otherwise_empty(),
        base::real("settle", "s", "time for the grains to come down and calm").at_least(0).otherwise(0.5)}};
   return table;
 }
@@ -270,7 +271,12 @@ const std::vector<ProbeRow>& probe_rows() {
       {"kinetic_energy", "J", "of all grains", ProbeRow::none},
       {"grain_position", "m", "centre of one grain", ProbeRow::grain},
       {"grain_velocity", "m/s", "velocity of one grain", ProbeRow::grain},
-      {"grain_angular_velocity", "rad/s", "angular velocity of one grain", ProbeRow::grain}};
+      {"grain_angular_velocity", "rad/s", "angular velocity of one grain", ProbeRow::grain},
+      {"wall_displacement", "m", "how far a rigid wall has come since the start of the run", ProbeRow::wall},
+      {"wall_velocity", "m/s", "velocity of a rigid wall", ProbeRow::wall},
+      {"sum", "", "offset + sum of factor x probe, in the probes' unit", ProbeRow::sum},
+      {"quotient", "", "one probe over another; 0 while that one is 0", ProbeRow::pair},
+      {"angle", "rad", "arc tangent of one probe over another", ProbeRow::pair}};
   return rows;
 }
 
@@ -308,6 +314,19 @@ Table probe_table(const ProbeRow& row) {
       list.push_back(base::integer("grain", "number of the [[grain]], from 0").at_least(0));
       list.push_back(component);
       break;
+    case ProbeRow::wall:
+      list.push_back(base::text("wall", "name of the wall"));
+      list.push_back(component);
+      break;
+    case ProbeRow::sum:
+      list.push_back(base::texts("of", "names of probes that stand before this one"));
+      list.push_back(base::reals("factors", "", "one per probe; with them units may differ").optional("all 1"));
+      list.push_back(base::text("unit", "of the sum, where the probes' units differ").optional("the first probe's"));
+      list.push_back(base::real("offset", "", "SI value added").otherwise(0.0));
+      break;
+    case ProbeRow::pair:
+      list.push_back(base::texts("of", "names of two probes that stand before this one: over, under"));
+      break;
   }
   list.push_back(base::real("scale", "", "factor on the value").otherwise(1.0));
   return table;
@@ -330,11 +349,13 @@ const Table& result_table() {
       {base::name("name", "in summary.json"), base::text("probe", "name of the probe"),
        base::text("take",
                   "first_peak: before the first fall through mid-range; rise: max - first; ratio: max|probe| / "
-                  "max|over|; frequency: of the swing about its middle")
-           .among(
-               {"first", "last", "min", "max", "first_peak", "rise", "max_abs", "mean", "range", "frequency", "ratio"})
+                  "max|over|; frequency: of the swing about its middle; at: when `over` first reaches `level`")
+           .among({"first", "last", "min", "max", "first_peak", "rise", "max_abs", "mean", "range", "frequency",
+                   "ratio", "at"})
            .otherwise("last"),
-       base::text("over", "probe to divide by, for ratio").optional("none"),
+       base::text("over", "probe to divide by (ratio), or that reaches the level (at)").optional("none"),
+       base::quantity("level", "of `over`, for at").optional("none"),
+       base::real("smoothed", "s", "width of a moving mean that is taken first; 0: none").at_least(0).otherwise(0.0),
        base::real("scale", "", "factor on the value").otherwise(1.0),
        base::text("unit", "in which it is shown").optional("SI unit of the probe"),
        base::quantity("expected", "value to compare with").optional("none"),

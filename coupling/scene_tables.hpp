@@ -31,7 +31,7 @@ struct ProbeRow {
   const char* name;
   const char* unit;  // of its value; loads take their own
   const char* meaning;
-  enum Where { body_motion, load, contact, contact_area, box, none, grain } where;
+  enum Where { body_motion, load, contact, contact_area, box, none, grain, wall, sum, pair } where;
 };
 const std::vector<ProbeRow>& probe_rows();
 

@@ -71,6 +71,17 @@ void Setup::choose_backend() {
   dem::set_threads(threads);
 }
 
+int Setup::add_mesh_wall(const WallScene& wall) {
+  const base::Skin surface = read_wall_mesh(wall);
+  const int number = grains->add_mesh(surface, wall.material, wall.two_sided);
+  if (!wall.body) return number;
+  dem::WallBody body = wall.body->is;
+  for (const Vec3& node : surface.nodes) body.centre += node;
+  body.centre = wall.body->centre.value_or(1.0 / static_cast<double>(surface.nodes.size()) * body.centre);
+  grains->set_wall_body(number, body);
+  return number;
+}
+
 void Setup::add_walls() {
   for (const auto& skin : skins)
     skin_walls.push_back(grains->add_mesh(skin, scene.grains->body_material.at(skin.body), false));
@@ -79,10 +90,8 @@ void Setup::add_walls() {
       named_walls.push_back(-1);
       continue;
     }
-    const int number = wall.plane ? grains->add_plane(*wall.plane, wall.material)
-                                  : grains->add_mesh(read_wall_mesh(wall), wall.material, wall.two_sided);
-    if (base::norm(wall.velocity) > 0) grains->set_wall_velocity(number, wall.velocity);
-    named_walls.push_back(number);
+    named_walls.push_back(wall.plane ? grains->add_plane(*wall.plane, wall.material) : add_mesh_wall(wall));
+    if (base::norm(wall.velocity) > 0) grains->set_wall_velocity(named_walls.back(), wall.velocity);
   }
 }
 

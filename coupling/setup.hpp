@@ -53,6 +53,7 @@ class Setup {
  private:
   void choose_backend();
   void add_walls();
+  int add_mesh_wall(const WallScene&);
   void report_steps() const;
 };
 

@@ -67,6 +67,7 @@ base::Skin read_wall_mesh(const WallScene& wall) {
   base::require_user(!skin.facets.empty(),
                      fmt::format("{}: wall \"{}\": {}: holds no triangle or quadrilateral; give a surface mesh",
                                  wall.origin, wall.name, file));
+  for (Vec3& node : skin.nodes) node += wall.translation;
   return skin;
 }
 

@@ -161,7 +161,8 @@ class Simulation {
   /// Rigid or deforming surface. two_sided: grains may touch it from either side (the normal is set towards the grain).
   virtual int add_mesh(const base::Skin&, int material, bool two_sided) = 0;
   virtual void remove_wall(int wall) = 0;
-  /// Rigid translation with this velocity from now on (planes and meshes).
+  /// Rigid translation with this velocity from now on (planes and meshes); of a wall that is a body: in the directions
+  /// in which it is not free.
   virtual void set_wall_velocity(int wall, Vec3) = 0;
   /// From now on the wall is a rigid body at rest, without load. Throws base::UserError: no mass, or a free turn
   /// without moment of inertia.
@@ -169,6 +170,9 @@ class Simulation {
   /// Load on such a wall from now on, at its centre.
   virtual void set_wall_load(int wall, Vec3 force, Vec3 torque) = 0;
   virtual WallBodyState wall_body(int wall) const = 0;
+  /// Of a rigid wall: how far it has come [m] (a body: its centre) and how fast it moves [m/s].
+  virtual Vec3 wall_displacement(int wall) const = 0;
+  virtual Vec3 wall_velocity(int wall) const = 0;
   /// Nodes of a mesh move linearly, over the next advance(), from where they are to these positions; velocities
   /// likewise.
   virtual void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) = 0;

@@ -1,5 +1,6 @@
 #pragma once
 // The simulation on one Thrust system: what dem.hpp promises, put together from grains, pairs and walls.
+#include <optional>
 #include <string>
 
 #include "dem/core/bodies.hpp"
@@ -36,6 +37,8 @@ class System final : public Simulation {
   void set_wall_body(int wall, const WallBody&) override;
   void set_wall_load(int wall, Vec3 force, Vec3 torque) override;
   WallBodyState wall_body(int wall) const override;
+  Vec3 wall_displacement(int wall) const override;
+  Vec3 wall_velocity(int wall) const override;
   void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) override;
   void nodal_impulse(int wall, std::span<Vec3> impulse) const override;
   Vec3 wall_impulse_on_grains(int wall) const override;
@@ -79,6 +82,7 @@ class System final : public Simulation {
   template <class Law>
   void press_walls(const kernels::Interval&, double ended);
   double leap(const Phase&, double dt);
+  void book_removed_walls();
   void feel_walls();
   void finish_walls(double dt);
   PairSearch sort(const CellGrid&, Vector<int>& bucket, Vector<int>& bucket_start);
@@ -128,8 +132,9 @@ class System final : public Simulation {
   double last_ahead_ = 0;  // [s] that the histories are ahead of this instant
   std::int64_t steps_ = 0, rebuilds_ = 0, last_rebuild_ = 0, last_tight_ = 0;
 
-  base::Energy totals_;           // works and losses flushed so far
-  double gravity_reference_ = 0;  // [J]
+  base::Energy totals_;               // works and losses flushed so far
+  double gravity_reference_ = 0;      // [J]
+  std::optional<double> taken_away_;  // [J] elastic energy before walls were removed, until the next forces
   bool gravity_referenced_ = false;
   mutable std::vector<Vec3> node_impulse_host_;
   mutable bool node_impulse_current_ = false;

@@ -47,12 +47,21 @@ inline void System::prepare(double dt) {
     if (trouble) stop_unstable(trouble, 0);
     if (walls_.bodies()) feel_walls();
     leap({.ends = true, .ended = 0, .begins = false}, dt);
+    book_removed_walls();
   }
   if (setup_.track_energy && !gravity_referenced_) {
     gravity_reference_ = gravity_potential();
     gravity_referenced_ = true;
   }
   forces_are_stale_ = false;
+}
+
+/// A wall that is taken away takes along what its contacts held.
+inline void System::book_removed_walls() {
+  if (!taken_away_) return;
+  const base::Energy held = pending();
+  totals_.work_walls += held.elastic_normal + held.elastic_shear - *taken_away_;
+  taken_away_.reset();
 }
 
 /// Forces of the grains on walls that are bodies.
@@ -72,7 +81,7 @@ inline void System::feel_walls() {
 inline void System::finish_walls(double dt) {
   feel_walls();
   for (HostWall& wall : walls_.walls)
-    if (wall.body) Walls::finish_body(*wall.body, dt, setup_.gravity);
+    if (wall.body) wall.body->finish_step(dt, setup_.gravity);
 }
 
 /// Grains that move fast want a thick skin (few builds), grains at rest a thin one (few candidates).

@@ -78,6 +78,7 @@ inline base::Energy System::pending() const {
     e.kinetic += wall.body->kinetic();
     e.work_loads += wall.body->work_loads;
     e.work_gravity += wall.body->work_gravity;
+    e.work_walls += wall.body->work_drive;
     e.loss_damping += wall.body->loss_damping;
   }
   return e;
@@ -95,7 +96,8 @@ inline void System::flush_losses() {
   totals_.work_loads += e.work_loads;
   totals_.work_gravity += e.work_gravity;
   for (HostWall& wall : walls_.walls)
-    if (wall.body) wall.body->work_loads = wall.body->work_gravity = wall.body->loss_damping = 0;
+    if (wall.body)
+      wall.body->work_loads = wall.body->work_gravity = wall.body->work_drive = wall.body->loss_damping = 0;
   launch(static_cast<int>(pairs_.ledger.size()), ClearPairLosses{pointer(pairs_.ledger)});
   launch(static_cast<int>(near_walls_.ledger.size()), ClearWallLosses{pointer(near_walls_.ledger)});
   clear(grains_.ledger);

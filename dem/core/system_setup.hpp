@@ -198,6 +198,12 @@ inline int System::add_mesh(const base::Skin& skin, int material, bool two_sided
 
 inline void System::remove_wall(int wall) {
   require_wall(wall);
+  if (setup_.track_energy) {
+    flush_losses();
+    const base::Energy held = pending();
+    if (!taken_away_) taken_away_ = held.elastic_normal + held.elastic_shear;
+    if (walls_.walls[wall].body) totals_.work_walls -= walls_.walls[wall].body->kinetic();
+  }
   walls_.remove(wall);
   list_is_stale_ = forces_are_stale_ = true;
 }
@@ -230,6 +236,18 @@ inline WallBodyState System::wall_body(int wall) const {
   require_wall(wall);
   base::require_internal(walls_.walls[wall].body.has_value(), "the state of a wall that is no body");
   return walls_.walls[wall].body->state;
+}
+
+inline Vec3 System::wall_displacement(int wall) const {
+  require_wall(wall);
+  const HostWall& w = walls_.walls[wall];
+  return w.moved + (w.body ? w.body->displacement() : Vec3{});
+}
+
+inline Vec3 System::wall_velocity(int wall) const {
+  require_wall(wall);
+  const HostWall& w = walls_.walls[wall];
+  return w.body ? w.body->state.velocity : w.velocity;
 }
 
 inline void System::set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) {

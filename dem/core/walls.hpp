@@ -1,48 +1,17 @@
 #pragma once
 // The walls themselves: geometry on the backend, motion, and how far they have moved since the last list build.
 #include <algorithm>
-#include <array>
 #include <optional>
 
 #include "base/error.hpp"
 #include "dem/core/grains.hpp"
 #include "dem/core/motion.hpp"
+#include "dem/core/wall_body.hpp"
 #include "dem/core/wall_pass.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
 enum class WallMotion { fixed, rigid, target, body };
-
-/// A wall as a rigid body. Between two calls of advance() the velocities are those of the instant, within one those of
-/// the half step.
-struct MovingBody {
-  WallBody is;
-  WallBodyState state;
-  Vec3 force, torque;                                         // [N], [N m] load
-  double reach = 0;                                           // [m] of the farthest node from the centre
-  double work_loads = 0, work_gravity = 0, loss_damping = 0;  // [J] since the last flush
-
-  Vec3 acceleration(const Vec3& gravity) const {
-    const Vec3 free = (1 / is.mass) * (state.contact_force + force) + (is.weighs ? gravity : Vec3{});
-    return masked(free - is.damping * state.velocity, is.moves);
-  }
-  Vec3 whole_torque() const {
-    const Vec3 damping = is.damping * kernels::angular_momentum(turning(), moments());
-    return masked(state.contact_torque + torque - damping, is.turns);
-  }
-  kernels::RigidRotation turning() const { return {state.orientation, state.angular_velocity}; }
-  /// Moments of inertia, 1 where nothing turns.
-  Vec3 moments() const {
-    return {is.turns[0] ? is.inertia.x : 1, is.turns[1] ? is.inertia.y : 1, is.turns[2] ? is.inertia.z : 1};
-  }
-  bool turns() const { return is.turns[0] || is.turns[1] || is.turns[2]; }
-  static Vec3 masked(const Vec3& v, const std::array<bool, 3>& free) {
-    return {free[0] ? v.x : 0, free[1] ? v.y : 0, free[2] ? v.z : 0};
-  }
-  double kinetic() const {
-    return 0.5 * is.mass * norm2(state.velocity) + (turns() ? kernels::rotational_energy(turning(), moments()) : 0);
-  }
-};
 
 struct HostWall {
   int first_node = 0, nodes = 0, first_facet = 0, facets = 0;
@@ -50,6 +19,7 @@ struct HostWall {
   bool fresh_target = false;            // set since the last advance()
   Vec3 velocity{};                      // [m/s] of a rigid motion
   Vec3 rigid_shift{};                   // [m] since the last list build
+  Vec3 moved{};                         // [m] by rigid motions so far
   std::vector<Vec3> from{}, to{};       // [m] of the present target motion, on the host
   std::vector<Vec3> listed{};           // [m] at the last list build
   double shift_from = 0, shift_to = 0;  // [m] largest node displacement since the list build, at the ends of the way
@@ -120,6 +90,7 @@ class Walls {
 
   void set_velocity(int wall, const Vec3& v) {
     HostWall& w = walls[wall];
+    if (w.body) return w.body->drive(v);
     allocate_motion();
     forget_target(wall);
     w.velocity = v;
@@ -214,6 +185,7 @@ class Walls {
         launch(w.nodes,
                MoveRigidly{pointer(position), pointer(velocity), pointer(displacement), w.first_node, w.velocity, dt});
         w.rigid_shift += dt * w.velocity;
+        w.moved += dt * w.velocity;
       } else if (w.motion == WallMotion::target) {
         launch(w.nodes, MoveToTarget{pointer(position), pointer(velocity), pointer(displacement),
                                      pointer(from_position), pointer(from_velocity), pointer(to_position),
@@ -266,44 +238,12 @@ class Walls {
     return total;
   }
 
-  /// Second half of a body's step (velocity Verlet); its contact force and torque are those of the new instant.
-  static void finish_body(MovingBody& b, double dt, const Vec3& gravity) {
-    // The damping is implicit, as that of grains is.
-    const double half = 0.5 * dt, hold = 1 / (1 + b.is.damping * half);
-    MovingBody undamped = b;
-    undamped.is.damping = 0;
-    b.state.velocity = hold * (b.state.velocity + half * undamped.acceleration(gravity));
-    if (b.turns()) {
-      auto turning = b.turning();
-      kernels::ZhaoVanWachem::finish_step(turning, b.moments(), undamped.whole_torque(), dt);
-      b.state.angular_velocity = hold * MovingBody::masked(turning.angular_velocity, b.is.turns);
-    }
-    b.loss_damping += 2 * dt * b.is.damping * b.kinetic();
-  }
-
  private:
   void move_body(HostWall& w, double dt, const Vec3& gravity) {
-    MovingBody& b = *w.body;
-    const double half = 0.5 * dt;
-    const Vec3 acceleration = b.acceleration(gravity);
-    b.state.velocity += half * acceleration;
-    b.state.centre += dt * b.state.velocity;
-    Vec3 seen_turning;
-    if (b.turns()) {
-      const Vec3 torque = b.whole_torque();
-      auto turning = b.turning();
-      kernels::ZhaoVanWachem::begin_step(turning, b.moments(), torque, dt);
-      b.state.orientation = turning.orientation;
-      b.state.angular_velocity = MovingBody::masked(turning.angular_velocity, b.is.turns);
-      kernels::ZhaoVanWachem::finish_step(turning, b.moments(), torque, dt);
-      seen_turning = MovingBody::masked(turning.angular_velocity, b.is.turns);
-    }
-    b.work_loads += dt * (dot(b.force, b.state.velocity) + dot(b.torque, b.state.angular_velocity));
-    if (b.is.weighs) b.work_gravity += dt * b.is.mass * dot(gravity, b.state.velocity);
-    w.shift_from += dt * (norm(b.state.velocity) + b.reach * norm(b.state.angular_velocity));
-    launch(w.nodes,
-           MoveBody{pointer(position), pointer(velocity), pointer(displacement), pointer(body_offset), w.first_node,
-                    b.state.centre, b.state.velocity + half * acceleration, seen_turning, b.state.orientation});
+    const WallBodyState seen = w.body->begin_step(dt, gravity);
+    w.shift_from += dt * w.body->fastest();
+    launch(w.nodes, MoveBody{pointer(position), pointer(velocity), pointer(displacement), pointer(body_offset),
+                             w.first_node, seen.centre, seen.velocity, seen.angular_velocity, seen.orientation});
   }
   void allocate_motion() {
     velocity.resize(position.size());

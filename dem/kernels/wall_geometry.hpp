@@ -109,40 +109,54 @@ TRACKBED_HD inline void closest_on_triangle(const Vec3* nodes, const Vec3& centr
     if (side[a] < 0 || !(sum > 0)) try_edge(nodes, a, (a + 1) % 3, centre, best, best_distance2);
 }
 
-/// x = c0 + xi c1 + eta c2 + xi eta c3 on [-1, 1]^2. Newton's method for (x - C) . x_xi = (x - C) . x_eta = 0 from the
-/// middle; where the full Hessian is not positive definite, Gauss-Newton. True when the nearest point lies inside.
-TRACKBED_HD inline bool project_on_bilinear(const Vec3* nodes, const Vec3& centre, double& xi, double& eta) {
-  const Vec3 c1 = 0.25 * (nodes[1] + nodes[2] - nodes[0] - nodes[3]);
-  const Vec3 c2 = 0.25 * (nodes[2] + nodes[3] - nodes[0] - nodes[1]);
-  const Vec3 c3 = 0.25 * (nodes[0] + nodes[2] - nodes[1] - nodes[3]);
-  const Vec3 from_centre = 0.25 * (nodes[0] + nodes[1] + nodes[2] + nodes[3]) - centre;
-  const double far = 2;  // beyond this in xi or eta the search goes on at the border: the nearest point is on an edge
-  xi = eta = 0;
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    const Vec3 r = from_centre + xi * c1 + eta * c2 + (xi * eta) * c3;
-    const Vec3 x_xi = c1 + eta * c3, x_eta = c2 + xi * c3;
-    const double g1 = dot(r, x_xi), g2 = dot(r, x_eta);
-    const double h11 = norm2(x_xi), h22 = norm2(x_eta), gauss = dot(x_xi, x_eta);
-    double h12 = gauss + dot(r, c3);
-    double determinant = h11 * h22 - h12 * h12;
-    if (determinant <= 1e-3 * h11 * h22) {
-      h12 = gauss;
-      determinant = h11 * h22 - h12 * h12;
+/// x = c0 + xi c1 + eta c2 + xi eta c3 on [-1, 1]^2, seen from a sphere's centre.
+struct Bilinear {
+  Vec3 c0, c1, c2, c3;
+
+  TRACKBED_HD Bilinear(const Vec3* nodes, const Vec3& centre)
+      : c0(0.25 * (nodes[0] + nodes[1] + nodes[2] + nodes[3]) - centre),
+        c1(0.25 * (nodes[1] + nodes[2] - nodes[0] - nodes[3])),
+        c2(0.25 * (nodes[2] + nodes[3] - nodes[0] - nodes[1])),
+        c3(0.25 * (nodes[0] + nodes[2] - nodes[1] - nodes[3])) {}
+
+  /// Iterates on x . x_xi = x . x_eta = 0 from the middle: by Newton's method, or (`full` false, or where the Hessian
+  /// is not positive definite) by Gauss-Newton. True when the nearest point lies inside.
+  TRACKBED_HD bool search(bool full, double& xi, double& eta) const {
+    const double far = 2;  // beyond this in xi or eta the search goes on at the border: the nearest point is on an edge
+    xi = eta = 0;
+    for (int iteration = 0; iteration < 20; ++iteration) {
+      const Vec3 r = c0 + xi * c1 + eta * c2 + (xi * eta) * c3;
+      const Vec3 x_xi = c1 + eta * c3, x_eta = c2 + xi * c3;
+      const double g1 = dot(r, x_xi), g2 = dot(r, x_eta);
+      const double h11 = norm2(x_xi), h22 = norm2(x_eta), gauss = dot(x_xi, x_eta);
+      double h12 = full ? gauss + dot(r, c3) : gauss;
+      double determinant = h11 * h22 - h12 * h12;
+      if (determinant <= 1e-3 * h11 * h22) {
+        h12 = gauss;
+        determinant = h11 * h22 - h12 * h12;
+      }
+      if (!(determinant > 0)) return false;
+      const double d_xi = (h12 * g2 - h22 * g1) / determinant, d_eta = (h12 * g1 - h11 * g2) / determinant;
+      xi = std::fmin(far, std::fmax(-far, xi + d_xi));
+      eta = std::fmin(far, std::fmax(-far, eta + d_eta));
+      const bool converged = std::fabs(d_xi) + std::fabs(d_eta) < 1e-9;  // quadratic: the next step would be 1e-18
+      if (converged || norm2(c3) == 0) return std::fabs(xi) <= 1 && std::fabs(eta) <= 1;
     }
-    if (!(determinant > 0)) return false;
-    const double d_xi = (h12 * g2 - h22 * g1) / determinant, d_eta = (h12 * g1 - h11 * g2) / determinant;
-    xi = std::fmin(far, std::fmax(-far, xi + d_xi));
-    eta = std::fmin(far, std::fmax(-far, eta + d_eta));
-    const bool converged = std::fabs(d_xi) + std::fabs(d_eta) < 1e-9;  // quadratic: the next step would be 1e-18
-    if (converged || norm2(c3) == 0) return std::fabs(xi) <= 1 && std::fabs(eta) <= 1;
+    return false;
   }
-  return false;
-}
+
+  /// True when the nearest point lies inside. Far from a parallelogram Newton's method may miss it or find another
+  /// stationary point; Gauss-Newton, which inverts the map where the quadrilateral is planar, then decides.
+  TRACKBED_HD bool project(double& xi, double& eta) const {
+    if (search(true, xi, eta)) return true;
+    return norm2(c3) > 1e-4 * std::fmin(norm2(c1), norm2(c2)) && search(false, xi, eta);
+  }
+};
 
 TRACKBED_HD inline void closest_on_quadrilateral(const Vec3* nodes, const Vec3& centre, FacetContact& best,
                                                  double& best_distance2) {
   double xi, eta;
-  if (project_on_bilinear(nodes, centre, xi, eta)) {
+  if (Bilinear(nodes, centre).project(xi, eta)) {
     FacetContact contact;
     contact.feature = Feature::facet;
     for (int i = 0; i < 4; ++i) {

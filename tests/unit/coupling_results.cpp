@@ -36,6 +36,13 @@ TEST(Results, TakeOfAKnownSeries) {
   EXPECT_EQ(take("mean", time, values, values), 0.5);
   EXPECT_EQ(take("range", time, values, values), 9);
   EXPECT_EQ(take("ratio", time, values, over), 5.0 / 8.0);
+  EXPECT_EQ(take("at", time, values, over, 5), -0.5);  // halfway between the second and the third sample
+  EXPECT_TRUE(std::isnan(take("at", time, values, over, 9)));
+}
+
+TEST(Results, MovingMeanTakesItsWindow) {
+  const std::vector<double> time{0, 1, 2, 3, 10}, values{2, -5, 6, 1, 8};
+  EXPECT_EQ(coupling::moving_mean(time, values, 2), (std::vector<double>{-1.5, 1, 2.0 / 3, 3.5, 8}));
 }
 
 TEST(Results, FrequencyOfAnOffsetWave) {

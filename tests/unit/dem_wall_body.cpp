@@ -95,6 +95,59 @@ TEST(DemWallBody, FreeBarStrikesWithItsEnd) {
   EXPECT_NEAR(sim->energy().kinetic, 0.5 * sphere * 0.01, 1e-6 * sphere * 0.005);
 }
 
+// A plate that is pressed with F on three spheres fixed in a row by friction and drawn sideways: it keeps its speed,
+// each of the spheres rolls or slides, and at last mu F holds it back. The drive's work is in the ledger.
+TEST(DemWallBody, DrivenPlateSlidesUnderItsLoad) {
+  auto setup = setup_of(0.4, 0.3);
+  setup.rotations = false;
+  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const double radius = 0.02, force = 30, speed = 0.05, mass = 0.5;
+  sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
+  for (int side : {-1, 1}) {
+    const double s = side;
+    sim->add_plane({{0.2 * s, 0, 0}, {-s, 0, 0}}, 0);
+  }
+  std::vector<dem::Grain> grains;
+  for (int k = 0; k < 10; ++k) grains.push_back({.position = {-0.18 + 0.04 * k, 0, radius}, .radius = radius, .id = k});
+  sim->add_grains(grains);
+  const int wall = sim->add_mesh(plate(0.5, 0.1, 2 * radius), 0, false);
+  sim->set_wall_body(
+      wall,
+      {.centre = {0, 0, 2 * radius}, .mass = mass, .moves = {false, false, true}, .weighs = false, .damping = 20});
+  sim->set_wall_load(wall, {0, 0, -force}, {});
+  sim->set_wall_velocity(wall, {speed, 0, 0});
+  sim->advance(12000, 1e-5);
+  const auto body = sim->wall_body(wall);
+  EXPECT_DOUBLE_EQ(sim->wall_velocity(wall).x, speed);
+  EXPECT_NEAR(sim->wall_displacement(wall).x, speed * 0.12, 1e-12);
+  EXPECT_NEAR(body.contact_force.z, force, 1e-3 * force);
+  EXPECT_NEAR(body.contact_force.x, -0.4 * force, 2e-3 * force);
+  const auto e = sim->energy();
+  // It slides nearly all the way: work = mu F s + what it took to set the plate moving, within what the springs hold.
+  EXPECT_NEAR(e.work_walls, 0.4 * force * speed * 0.12 + 0.5 * mass * speed * speed, 0.05 * 0.4 * force * speed * 0.12);
+  EXPECT_NEAR(e.stored() + e.losses() - e.works(), 0, 1e-4 * e.work_walls);
+}
+
+// Two springs in a row under a plate that is taken away: what they held leaves the ledger as work of the wall.
+TEST(DemWallBody, RemovedWallTakesItsEnergyAlong) {
+  auto setup = setup_of(0.4, 1);
+  setup.gravity = {};
+  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const double radius = 0.02;
+  sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
+  const int lid = sim->add_plane({{0, 0, 2 * radius - 4e-6}, {0, 0, -1}}, 0);
+  sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, radius - 2e-6}, .radius = radius, .id = 1}});
+  sim->advance(0, 1e-6);
+  sim->reset_energy();
+  const auto before = sim->energy();
+  ASSERT_GT(before.elastic_normal, 0);
+  sim->remove_wall(lid);
+  sim->advance(2000, 1e-6);
+  const auto after = sim->energy();
+  EXPECT_NEAR(after.work_walls, -0.5 * before.elastic_normal, 1e-9 * before.elastic_normal);
+  EXPECT_NEAR(after.kinetic + after.elastic_normal, 0.5 * before.elastic_normal, 1e-4 * before.elastic_normal);
+}
+
 TEST(DemWallBody, RefusesWhatCannotMove) {
   const auto sim = dem::Simulation::create(setup_of(0, 1), dem::Backend::omp);
   const int plane = sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0), mesh = sim->add_mesh(plate(1, 1, 1), 0, false);

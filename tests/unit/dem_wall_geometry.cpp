@@ -53,6 +53,33 @@ std::vector<bool> hierarchy(const std::vector<Vec3>& vectors) {
   return std::vector<bool>(keep, keep + vectors.size());
 }
 
+// Planar convex quadrilaterals far from parallelograms (the sides of a funnel): the nearest point is that of the two
+// triangles that the quadrilateral consists of.
+TEST(WallGeometry, TrapezoidIsItsTwoTriangles) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> any(-1, 1);
+  int tried = 0;
+  while (tried < 20000) {
+    Vec3 nodes[4] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    for (Vec3& node : nodes) node += 0.9 * Vec3{any(random), any(random), 0};
+    bool convex = true;
+    for (int a = 0; a < 4; ++a)
+      convex = convex && cross(nodes[(a + 1) % 4] - nodes[a], nodes[(a + 2) % 4] - nodes[(a + 1) % 4]).z > 0.05;
+    if (!convex) continue;
+    ++tried;
+    const Vec3 centre{2 * any(random), 2 * any(random), any(random)};
+    const double reach = 10;
+    const auto found = closest_on_facet(nodes, 4, centre, reach);
+    const Vec3 other[3] = {nodes[0], nodes[2], nodes[3]};
+    const double expected = std::min(norm(closest_on_facet(nodes, 3, centre, reach).point - centre),
+                                     norm(closest_on_facet(other, 3, centre, reach).point - centre));
+    ASSERT_NEAR(norm(found.point - centre), expected, 1e-9)
+        << "nodes " << nodes[0].x << ' ' << nodes[0].y << ' ' << nodes[1].x << ' ' << nodes[1].y << ' ' << nodes[2].x
+        << ' ' << nodes[2].y << ' ' << nodes[3].x << ' ' << nodes[3].y << " centre " << centre.x << ' ' << centre.y
+        << ' ' << centre.z;
+  }
+}
+
 }  // namespace
 
 TEST(WallGeometry, TriangleFeaturesAndWeights) {
