@@ -74,21 +74,19 @@ StableStep contact_step(const std::vector<GrainInertia>& grains, const std::vect
     add_spring(damping[s.grain], s, grains[s.grain], share * s.normal_damping, share * s.shear_damping);
     ++contacts[s.grain];
   }
-  double stiffest = 0, most_damped = 0;
-  std::size_t which = 0;
+  StableStep step{std::numeric_limits<double>::infinity(), "no contact"};
   for (std::size_t g = 0; g < grains.size(); ++g) {
-    if (contacts[g] == 0) continue;
-    const double k = largest_eigenvalue(stiffness[g]);
-    if (k > stiffest) which = g;
-    stiffest = std::max(stiffest, k);
-    most_damped = std::max(most_damped, largest_eigenvalue(damping[g]));
+    const double k = contacts[g] == 0 ? 0 : largest_eigenvalue(stiffness[g]);
+    if (!(k > 0)) continue;
+    const double omega = std::sqrt(k), ratio = largest_eigenvalue(damping[g]) / (2 * omega);
+    const double limit = 2 / omega * (std::sqrt(1 + ratio * ratio) - ratio);
+    if (limit >= step.limit) continue;
+    step.limit = limit;
+    step.limiter = grains[g].id < 0 ? "the grains on a wall that moves as a body"
+                                    : "contacts of grain " + std::to_string(grains[g].id);
+    step.limiter += " (" + std::to_string(contacts[g]) + " contacts)";
   }
-  if (!(stiffest > 0)) return {std::numeric_limits<double>::infinity(), "no contact"};
-  const double omega = std::sqrt(stiffest);
-  const double ratio = most_damped / (2 * omega);
-  return {
-      2 / omega * (std::sqrt(1 + ratio * ratio) - ratio),
-      "contacts of grain " + std::to_string(grains[which].id) + " (" + std::to_string(contacts[which]) + " contacts)"};
+  return step;
 }
 
 }  // namespace dem

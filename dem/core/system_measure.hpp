@@ -338,6 +338,12 @@ inline StableStep System::contact_stable_step() const {
     else
       inertias.push_back({mass, setup_.rotations ? 0.4 * mass * r * r : 0, ids[g]});
   }
+  std::vector<int> body_of_wall(walls_.walls.size(), -1);  // walls that are bodies follow the grains
+  for (std::size_t w = 0; w < walls_.walls.size(); ++w) {
+    if (!walls_.walls[w].body) continue;
+    body_of_wall[w] = static_cast<int>(inertias.size());
+    inertias.push_back({walls_.walls[w].body->is.mass, walls_.walls[w].body->least_moment(), -1});
+  }
   const auto attach = [&](GrainSpring& s, int sphere, const Vec3& from_sphere) {
     s.grain = clumps ? body_of_sphere[sphere] : sphere;
     s.lever = from_sphere;
@@ -360,12 +366,17 @@ inline StableStep System::contact_stable_step() const {
     for (int c = start[w]; c < start[w + 1]; ++c) {
       if (!(state[c].overlap > 0)) continue;
       const int g = grain[w];
-      const int wall_material = walls_.rows_host[facets[candidate[c]].wall].material;
+      const int wall = facets[candidate[c]].wall, wall_material = walls_.rows_host[wall].material;
       auto s = spring_of(wall_parameters_host_[material[g] * materials + wall_material], place[g].radius,
                          motions.translation(g).number, state[c].overlap);
       s.normal = state[c].normal;
       attach(s, g, -(place[g].radius - state[c].overlap) * s.normal);
-      s.other_is_free = false;
+      s.other_is_free = body_of_wall[wall] >= 0;
+      springs.push_back(s);
+      if (!s.other_is_free) continue;
+      s.grain = body_of_wall[wall];
+      s.lever =
+          place[g].position - (place[g].radius - state[c].overlap) * s.normal - walls_.walls[wall].body->state.centre;
       springs.push_back(s);
     }
   return contact_step(inertias, springs);

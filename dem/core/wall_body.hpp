@@ -66,6 +66,13 @@ struct MovingBody {
   double kinetic() const {
     return 0.5 * is.mass * norm2(state.velocity) + (turns() ? kernels::rotational_energy(turning(), moments()) : 0);
   }
+  /// Smallest moment of inertia [kg m2] about a free axis; 0: it does not turn.
+  double least_moment() const {
+    double least = 0;
+    for (int d = 0; d < 3; ++d)
+      if (is.turns[d] && (least == 0 || is.inertia[d] < least)) least = is.inertia[d];
+    return least;
+  }
   Vec3 displacement() const { return state.centre - is.centre; }
   /// Bound of the speed of its points [m/s].
   double fastest() const { return norm(state.velocity) + reach * norm(state.angular_velocity); }

@@ -148,6 +148,30 @@ TEST(DemWallBody, RemovedWallTakesItsEnergyAlong) {
   EXPECT_NEAR(after.kinetic + after.elastic_normal, 0.5 * before.elastic_normal, 1e-4 * before.elastic_normal);
 }
 
+// A light plate on a sphere on the floor, frictionless: springs k below and k' above, masses m and M. The bound must
+// lie below the exact limit 2 / omega_max of the two, and not far below.
+TEST(DemWallBody, LightPlateLimitsTheStep) {
+  auto setup = setup_of(0, 1);
+  setup.gravity = {};
+  setup.rotations = false;
+  const double radius = 0.02, overlap = 1e-6, plate_mass = 0.005;
+  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
+  sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, radius - overlap}, .radius = radius, .id = 1}});
+  const int wall = sim->add_mesh(plate(0.1, 0.1, 2 * radius - 2 * overlap), 0, false);
+  sim->set_wall_body(wall, {.centre = {0, 0, 2 * radius}, .mass = plate_mass, .moves = {false, false, true}});
+  sim->advance(0, 1e-6);
+  const double grain_mass = 2500 * 4.0 / 3 * std::numbers::pi * radius * radius * radius;
+  const double stiffness = 2 * (1e8 / (2 * (1 - 0.25 * 0.25))) * std::sqrt(radius * overlap);
+  const double a = 2 * stiffness / grain_mass, d = stiffness / plate_mass,
+               bc = stiffness * stiffness / (grain_mass * plate_mass);
+  const double omega2 = 0.5 * (a + d) + std::sqrt(0.25 * (a - d) * (a - d) + bc);
+  const auto step = sim->contact_stable_step();
+  EXPECT_LT(step.limit, 2 / std::sqrt(omega2));
+  EXPECT_GT(step.limit, 0.6 * 2 / std::sqrt(omega2));
+  EXPECT_NE(step.limiter.find("a wall that moves as a body"), std::string::npos) << step.limiter;
+}
+
 TEST(DemWallBody, RefusesWhatCannotMove) {
   const auto sim = dem::Simulation::create(setup_of(0, 1), dem::Backend::omp);
   const int plane = sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0), mesh = sim->add_mesh(plate(1, 1, 1), 0, false);
