@@ -113,7 +113,7 @@ TEST_F(SceneFile, EveryMistakeHasItsLineItsRuleAndItsRemedy) {
   EXPECT_EQ(error_of(scene + stage),
             "a.toml:12: stage.fall.name = \"fall\"; a stage of this name stands at a.toml:9; rename one");
   EXPECT_EQ(error_of(scene + "hold = [\"sleeper\"]\n"),
-            "a.toml:11: stage.fall.hold = \"sleeper\"; no such body; known bodies: none");
+            "a.toml:11: stage.fall.hold = \"sleeper\"; no such body; known bodies and mesh walls: none");
   EXPECT_EQ(error_of(scene + "ramp_stiffness = true\n"),
             "a.toml:11: stage.fall.ramp_stiffness = true; there is no packing whose modulus could be ramped; remove "
             "it, or add "
@@ -187,7 +187,7 @@ TEST_F(SceneFile, PackingMistakes) {
             "a.toml:9: packing.grading[2] = [0.02, 1.0]; sizes must rise: 0.02 m follows 0.0224 m");
   EXPECT_EQ(with("[\"63 mm\", 1.0]", "[\"63 mm\", 0.9]").substr(0, 30), "a.toml:9: packing.grading = [[");
   EXPECT_EQ(error_of(grains + stage + packing + "bodies = [\"sleeper\"]\n"),
-            "a.toml:13: packing.layer.bodies = \"sleeper\"; no such body; known bodies: none");
+            "a.toml:13: packing.layer.bodies = \"sleeper\"; no such body; known bodies and mesh walls: none");
 }
 
 TEST_F(SceneFile, ProbeMistakes) {
