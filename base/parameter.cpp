@@ -99,7 +99,7 @@ std::string Parameter::type_text() const {
     case Type::texts:
       return choices.empty() ? "list of texts" : "list of " + join(choices, " | ");
     case Type::pairs:
-      return "list of pairs";
+      return choices.empty() ? "list of pairs" : "list of pairs, or " + join(choices, " | ");
     case Type::quantity:
       return "number with a unit";
     case Type::quantities:

@@ -27,7 +27,7 @@ enum class Type {
   vector,      // three numbers with a unit
   reals,       // a list of numbers with a unit
   texts,       // a list of texts
-  pairs,       // a list of pairs of numbers, the first with `unit`, the second plain
+  pairs,       // a list of pairs of numbers, the first with `unit`, the second plain; or one of `choices`, if any
   quantity,    // a number whose unit something else decides: see number_of()
   quantities,  // a list of them
   numbers,     // a table of free keys and numbers with a unit

@@ -126,6 +126,7 @@ Value checked_value(Value raw, const Parameter& p) {
       return with_data(raw, items);
     }
     case Type::pairs: {
+      if (!p.choices.empty() && raw.is<std::string>()) return with_data(raw, checked_text(raw, p));
       Value::List items = checked_list(raw, "pairs of numbers");
       for (auto& item : items) {
         if (!item.is<Value::List>() || item.list().size() != 2) fail(item, "must be a pair of numbers");

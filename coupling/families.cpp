@@ -7,6 +7,7 @@
 #include "coupling/contact_tables.hpp"
 #include "coupling/scene.hpp"
 #include "coupling/scene_tables.hpp"
+#include "dem/grading.hpp"
 
 namespace coupling {
 
@@ -48,6 +49,16 @@ std::string elements() {
 
 std::string probes() { return describe_all(probe_family()); }
 
+std::string gradings() {
+  std::string text = "gradings (key `grading` of [packing]): mass share passing each sieve\n";
+  for (const auto& row : dem::named_gradings()) {
+    text += fmt::format("\n{}: {}; {}\n ", row.name, row.text, row.source);
+    for (const auto& [size, passing] : row.curve) text += fmt::format(" {:g} mm {:g} %,", 1e3 * size, 100 * passing);
+    text.back() = '\n';
+  }
+  return text;
+}
+
 std::string scene() {
   std::string text;
   for (const base::Table* table :
@@ -56,7 +67,7 @@ std::string scene() {
         &contact_table(), &stage_table(), &result_table(), &output_table()}) {
     text += base::describe(*table) + "\n";
   }
-  return text + "further families: " + base::join({"histories", "loads", "materials", "probes"}) + "\n";
+  return text + "further families: " + base::join({"gradings", "histories", "loads", "materials", "probes"}) + "\n";
 }
 
 struct FamilyRow {
@@ -72,6 +83,7 @@ const FamilyRow family_rows[] = {
     {"materials", [] { return describe_all(material_family()); }},
     {"histories", [] { return describe_all(base::history_family("N")); }},
     {"loads", [] { return describe_all(load_family()); }},
+    {"gradings", gradings},
     {"probes", probes},
     {"results", [] { return base::describe(result_table()); }},
     {"scene", scene},

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <unordered_set>
 #include <vector>
+
+#include "dem/measure/contact_numbers.hpp"
 
 namespace coupling {
 namespace {
@@ -87,19 +88,15 @@ double porosity(std::span<const dem::GrainSphere> spheres, const Box& box, doubl
   return points > 0 ? 1.0 - static_cast<double>(filled) / static_cast<double>(points) : 1.0;
 }
 
+double porosity(std::span<const dem::GrainSphere> spheres, const dem::Region& region, double spacing) {
+  const dem::BoxRegion around = dem::box_around(region);
+  const auto inside = [&](const Vec3& point) { return dem::contains(region, point); };
+  const bool box = std::holds_alternative<dem::BoxRegion>(region);
+  return porosity(spheres, Box{around.lower, around.upper}, spacing, box ? PointFilter{} : PointFilter{inside});
+}
+
 double coordination(std::span<const dem::Grain> grains, std::span<const dem::GrainContact> contacts, const Box& box) {
-  std::unordered_set<std::int64_t> inside;
-  for (const dem::Grain& grain : grains) {
-    if (contains(box, grain.position)) inside.insert(grain.id);
-  }
-  if (inside.empty()) return 0;
-  std::vector<std::pair<std::int64_t, std::int64_t>> neighbours;  // clumps touch at several spheres
-  for (const dem::GrainContact& contact : contacts) neighbours.push_back(std::minmax(contact.id_i, contact.id_j));
-  std::sort(neighbours.begin(), neighbours.end());
-  neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
-  std::size_t ends = 0;
-  for (const auto& [one, other] : neighbours) ends += inside.count(one) + inside.count(other);
-  return static_cast<double>(ends) / static_cast<double>(inside.size());
+  return dem::contact_numbers(dem::BoxRegion{box.lower, box.upper}, grains, contacts, {}).coordination;
 }
 
 double volume(const Box& box, double spacing, const PointFilter& filter) {

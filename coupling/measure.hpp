@@ -4,6 +4,7 @@
 #include <span>
 
 #include "coupling/scene.hpp"
+#include "dem/measure/region.hpp"
 
 namespace coupling {
 
@@ -14,6 +15,8 @@ using PointFilter = std::function<bool(const Vec3&)>;
 /// that lie in no grain. Overlaps count once, those of a clump's own spheres as well. `filter`, when given, restricts
 /// the points; with no point left: 1. The error of one box is about lattice / grain diameter / sqrt(number of grains).
 double porosity(std::span<const dem::GrainSphere>, const Box&, double lattice, const PointFilter& filter = {});
+/// The same of a box or of a measurement sphere (Talebiahooie2021 3.2), by the points of the lattice that lie in it.
+double porosity(std::span<const dem::GrainSphere>, const dem::Region&, double lattice);
 
 /// Mean number of grains [-] that press on a grain whose centre lies in the box; those outside count, walls do not. 0
 /// without grains.

@@ -310,7 +310,9 @@ void Packer::cut_free() {
     return p.z > box.upper.z || p.z < box.lower.z - grain.radius || p.x < box.lower.x - grain.radius ||
            p.x > box.upper.x + grain.radius || p.y < box.lower.y - grain.radius || p.y > box.upper.y + grain.radius;
   });
-  if (lost > 0) spdlog::info("{} grains left the box and are taken out", lost);
+  if (lost == 0) return;
+  spdlog::info("{} grains left the box and are taken out", lost);
+  if (std::isfinite(step())) simulation_->advance(0, step());  // contacts are known again without them
 }
 
 void Packer::show(double kinetic) {

@@ -13,6 +13,7 @@
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
+#include "coupling/grain_files.hpp"
 #include "coupling/run_files.hpp"
 #include "coupling/run_loop.hpp"
 #include "coupling/setup.hpp"
@@ -93,6 +94,10 @@ void run(const RunOptions& options) {
     if (!roles.is_root()) return;
     make_run_directory(directory, options.overwrite);
     write_file(directory / "scene.resolved.toml", setup.scene.resolved_toml);
+    if (setup.grains) {
+      const std::string sieves = sieve_curve_text(setup.scene, setup.grains->grains());
+      if (!sieves.empty()) write_file(directory / "sieve_curve.csv", sieves);
+    }
     move_log(kept, directory);
   });
   Series series;

@@ -50,7 +50,8 @@ void remove_run(const fs::path& directory) {
     const std::string name = path.filename().string();
     if (path.extension() == ".pvd") gone.push_back(directory / path.stem());
     if (path.extension() == ".pvd" || path.extension() == ".part" || name == "scene.resolved.toml" ||
-        name == "summary.json" || name == "history.csv" || name == "run.log")
+        name == "summary.json" || name == "history.csv" || name == "run.log" || name == "sieve_curve.csv" ||
+        name == "contact_forces.csv")
       gone.push_back(path);
   }
   for (const fs::path& path : gone) {

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "coupling/grain_files.hpp"
 
 namespace coupling {
 
@@ -127,6 +128,7 @@ void RunLoop::zero() {
     if (dem_steps_ == 0 || removed_) setup_.grains->advance(0, setup_.window.dt_dem);
     setup_.grains->reset_energy();
   }
+  sampler_.zero();
   ledger_.start(sampler_.sample(true).energy);
   series_ = {};
   series_.columns.resize(setup_.scene.probes.size());
@@ -289,7 +291,9 @@ void RunLoop::write_picture() {
   const auto wall_contacts = setup_.grains->wall_contacts();
   if (!writer_) writer_ = make_writer(grains);  // stopped before the measured stage
   writer_->write(time_, grains, contacts, wall_contacts);
-  if (setup_.scene.output.contacts) writer_->write_contacts(time_, contacts, wall_contacts);
+  if (!setup_.scene.output.contacts) return;
+  writer_->write_contacts(time_, contacts, wall_contacts);
+  write_file(directory_ / "contact_forces.csv", contact_forces_text(contacts, wall_contacts));
 }
 
 void RunLoop::run(std::optional<double> until) {

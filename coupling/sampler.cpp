@@ -1,11 +1,14 @@
 #include "coupling/sampler.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
+#include "coupling/grain_probes.hpp"
 #include "coupling/measure.hpp"
 
 namespace coupling {
@@ -21,7 +24,10 @@ bool is_body_probe(const Probe& probe) {
          probe.kind == ProbeKind::acceleration || probe.kind == ProbeKind::load;
 }
 
-constexpr double porosity_lattice = 0.005;  // [m] a fifth of the smallest ballast grain
+bool follows_grain(const Probe& probe) {
+  return probe.kind == ProbeKind::grain_position || probe.kind == ProbeKind::grain_velocity ||
+         probe.kind == ProbeKind::grain_displacement || probe.kind == ProbeKind::grain_angular_velocity;
+}
 
 }  // namespace
 
@@ -34,10 +40,25 @@ Sampler::Sampler(const Roles& roles, const Scene& scene, dem::Simulation* grains
       skins_(skins),
       walls_(std::move(walls)),
       named_walls_(std::move(named_walls)),
-      kept_(scene.probes.size(), 0.0) {}
+      kept_(scene.probes.size(), 0.0),
+      copies_(grains) {}
+
+void Sampler::zero() {
+  if (!grains_) return;
+  copies_.forget();
+  marks_.clear();
+  for (const auto& probe : scene_.probes) {
+    if (!follows_grain(probe) || copies_.grains().empty()) continue;
+    const GrainMark& mark = marks_[probe.name] = mark_grain(probe, copies_.grains());
+    if (probe.point)
+      spdlog::info("probe {}: grain {} at ({:.4g}, {:.4g}, {:.4g}) m", probe.name, mark.id, mark.start.x, mark.start.y,
+                   mark.start.z);
+  }
+}
 
 Sampler::Sample Sampler::sample(bool thorough) {
-  have_grains_ = have_wall_contacts_ = false;
+  have_wall_contacts_ = false;
+  copies_.forget();
   Sample result{kept_, {}};
   std::vector<double> from_bodies(energy_terms, 0.0);
   if (bodies_) {
@@ -64,7 +85,7 @@ Sampler::Sample Sampler::sample(bool thorough) {
   std::size_t next = energy_terms;
   for (std::size_t p = 0; p < scene_.probes.size(); ++p) {
     const auto& probe = scene_.probes[p];
-    const bool slow = probe.kind == ProbeKind::porosity || probe.kind == ProbeKind::coordination;
+    const bool slow = is_slow(probe.kind);
     if (is_body_probe(probe))
       kept_[p] = from_bodies[next++];
     else if (!probe.of.empty())
@@ -126,9 +147,10 @@ double Sampler::contact_force(const Probe& probe) const {
 }
 
 const dem::Grain& Sampler::grain(std::int64_t id) const {
-  const auto found = std::lower_bound(grain_list_.begin(), grain_list_.end(), id,
+  const auto& list = copies_.grains();
+  const auto found = std::lower_bound(list.begin(), list.end(), id,
                                       [](const dem::Grain& g, std::int64_t value) { return g.id < value; });
-  base::require_internal(found != grain_list_.end() && found->id == id, "probe of a grain that does not exist");
+  base::require_internal(found != list.end() && found->id == id, "probe of a grain that does not exist");
   return *found;
 }
 
@@ -136,19 +158,20 @@ double Sampler::grain_probe(const Probe& probe) const {
   if (probe.kind == ProbeKind::contact_force) return probe.scale * contact_force(probe);
   if (probe.kind == ProbeKind::contact_stress) return probe.scale * contact_force(probe) / probe.area;
   if (probe.kind == ProbeKind::kinetic_energy) return probe.scale * grains_->energy().kinetic;
-  if (!have_grains_) grain_list_ = grains_->grains();
-  have_grains_ = true;
+  if (measures_grains(probe.kind)) return probe.scale * measure_grains(probe, copies_, scene_.grains->shapes);
+  // Before the measuring has started: what is nearest now.
+  if (marks_.count(probe.name) == 0) marks_[probe.name] = mark_grain(probe, copies_.grains());
+  const GrainMark& mark = marks_[probe.name];
+  const dem::Grain& followed = grain(mark.id);
   switch (probe.kind) {
-    case ProbeKind::porosity:
-      return probe.scale * porosity(grains_->spheres(), *probe.box, porosity_lattice);
-    case ProbeKind::coordination:
-      return probe.scale * coordination(grain_list_, grains_->grain_contacts(), *probe.box);
     case ProbeKind::grain_position:
-      return probe.scale * grain(probe.grain).position[probe.component];
+      return probe.scale * followed.position[probe.component];
+    case ProbeKind::grain_displacement:
+      return probe.scale * (followed.position - mark.start)[probe.component];
     case ProbeKind::grain_velocity:
-      return probe.scale * grain(probe.grain).velocity[probe.component];
+      return probe.scale * followed.velocity[probe.component];
     default:
-      return probe.scale * grain(probe.grain).angular_velocity[probe.component];
+      return probe.scale * followed.angular_velocity[probe.component];
   }
 }
 

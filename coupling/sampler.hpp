@@ -1,10 +1,12 @@
 #pragma once
 // Probes and energy ledgers of both sides, sampled at an instant and brought to the root rank.
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "coupling/exchange.hpp"
+#include "coupling/grain_probes.hpp"
 #include "coupling/ledger.hpp"
 #include "coupling/roles.hpp"
 #include "coupling/scene.hpp"
@@ -22,8 +24,10 @@ class Sampler {
     std::vector<double> probes;  // in the scene's order, SI
     Sides energy;
   };
-  /// Collective over the world; the answer is whole on the root only. Lattice and list probes (porosity, coordination)
-  /// cost more than a step: they are taken afresh only if `thorough`, and keep their last value otherwise.
+  /// The measuring starts: the grains nearest to points are chosen, displacements count from here.
+  void zero();
+  /// Collective over the world; the answer is whole on the root only. Slow probes (is_slow()) are taken afresh only if
+  /// `thorough`, and keep their last value otherwise.
   Sample sample(bool thorough);
   /// A scene wall that has been taken away: no force any more, its last place.
   void forget_wall(std::size_t wall) { named_walls_[wall] = -1; }
@@ -45,9 +49,10 @@ class Sampler {
   std::vector<int> walls_, named_walls_;
   std::vector<double> kept_;  // last values
   // copies made once per sample and only when a probe asks for them
-  mutable std::vector<dem::Grain> grain_list_;
+  mutable GrainCopies copies_;
+  mutable std::map<std::string, GrainMark> marks_;  // by the probe's name
   mutable std::vector<dem::WallContact> wall_contacts_;
-  mutable bool have_grains_ = false, have_wall_contacts_ = false;
+  mutable bool have_wall_contacts_ = false;
 };
 
 }  // namespace coupling

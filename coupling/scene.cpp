@@ -29,7 +29,9 @@ TimeSettings read_time(const Value& table) {
 }
 
 Output read_output(const Value& table) {
-  return {table.at("interval").real(), table.at("probe_interval").real(), table.at("contacts").boolean()};
+  Output output{table.at("interval").real(), table.at("probe_interval").real(), table.at("contacts").boolean(), {}};
+  if (const Value* sieves = table.find("sieves")) output.sieves = sieves->reals();
+  return output;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "base/history.hpp"
 #include "base/vec3.hpp"
+#include "coupling/grain_probe.hpp"
 #include "coupling/shapes.hpp"
 #include "dem/dem.hpp"
 #include "fem/fem.hpp"
@@ -141,8 +142,17 @@ enum class ProbeKind {
   contact_force,   // sum of grain forces on a body's skin (or a wall) inside a box, component
   contact_stress,  // the same over `area`
   porosity,
-  coordination,    // of the grains in a box
-  kinetic_energy,  // of all grains
+  coordination,
+  rattlers,
+  mechanical_coordination,
+  contact_force_mean,
+  contact_force_quantile,
+  strong_contacts,
+  stress,              // of the grains in a region
+  heap_angle,          // of a heap of grains
+  passing,             // of the grains, through a sieve
+  grain_displacement,  // of one grain, component
+  kinetic_energy,      // of all grains
   grain_position,
   grain_velocity,
   grain_angular_velocity,  // of one grain (id), component
@@ -159,6 +169,7 @@ struct Probe {
   std::string body, group, load, wall;
   std::optional<Vec3> point;
   std::optional<Box> box;
+  GrainProbe look;  // of kinds that measures_grains() (grain_probes.hpp) knows
   double area = 0;  // [m2]
   double scale = 1;
   int component = 2;
@@ -186,9 +197,10 @@ struct Result {
 };
 
 struct Output {
-  double interval = 0;        // [s] between pictures of the state; 0: only the last
-  double probe_interval = 0;  // [s] between rows of history.csv; 0: every window
-  bool contacts = false;      // write contacts.pvd (force chains)
+  double interval = 0;         // [s] between pictures of the state; 0: only the last
+  double probe_interval = 0;   // [s] between rows of history.csv; 0: every window
+  bool contacts = false;       // write contacts.pvd (force chains) and contact_forces.csv
+  std::vector<double> sieves;  // [m] of sieve_curve.csv; empty: those of the packing's grading
 };
 
 struct Scene {

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "coupling/scene_parts.hpp"
+#include "dem/grading.hpp"
 
 namespace coupling {
 
@@ -116,6 +117,17 @@ void read_packed_shapes(Value& table, const Value& grains_table, Packing& packin
   for (double& share : packing.shape_shares) share /= sum;
 }
 
+/// A grading by its name becomes the pairs that it stands for.
+void resolve_grading(Value& value) {
+  if (!value.is<std::string>()) return;
+  const auto& known = dem::named_gradings();
+  const auto named =
+      std::find_if(known.begin(), known.end(), [&](const auto& row) { return row.name == value.text(); });
+  Value::List pairs;
+  for (const auto& [size, passing] : named->curve) pairs.emplace_back(Value::List{Value(size), Value(passing)});
+  value.data = std::move(pairs);
+}
+
 std::vector<GradingRow> read_grading(const Value& value) {
   std::vector<GradingRow> rows;
   for (const auto& pair : value.list()) {
@@ -167,6 +179,7 @@ Packing read_packing(Value& table, const Value& root, const dem::Interaction& co
   const Value& modulus = grains.at("material").at("young_modulus");
   if (!table.has("young_modulus") && reads_elastic_constants(contact)) table.set("young_modulus", modulus.data);
   Packing packing;
+  resolve_grading(table.at("grading"));
   packing.grading = read_grading(table.at("grading"));
   read_packed_shapes(table, grains, packing);
   packing.seed = static_cast<std::uint64_t>(table.at("seed").integer());

@@ -5,6 +5,7 @@
 
 #include "base/quantity.hpp"
 #include "base/text.hpp"
+#include "coupling/grain_probes.hpp"
 #include "coupling/scene_parts.hpp"
 #include "coupling/scene_tables.hpp"
 
@@ -129,8 +130,11 @@ Probe read_probe(const Value& row, const Scene& scene) {
   if (const Value* area = row.find("area")) probe.area = area->real();
   if (const Value* load = row.find("load")) read_load_name(*load, scene, probe);
   if (const Value* wall = row.find("wall")) read_wall_name(*wall, scene, probe);
-  if (const Value* component = row.find("component")) probe.component = component->text()[0] - 'x';
+  if (const Value* component = row.find("component"); component && where != ProbeRow::stress)
+    probe.component = component->text()[0] - 'x';
   if (const Value* grain = row.find("grain")) read_grain_number(*grain, scene, probe);
+  if (where == ProbeRow::grain) require_one(row, "grain", "point");
+  if (measures_grains(probe.kind)) probe.look = read_grain_probe(row, where);
   return probe;
 }
 

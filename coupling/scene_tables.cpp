@@ -2,7 +2,9 @@
 
 #include "base/histories.hpp"
 #include "coupling/contact_tables.hpp"
+#include "coupling/grain_probes.hpp"
 #include "coupling/wall_tables.hpp"
+#include "dem/grading.hpp"
 #include "fem/fem.hpp"
 
 namespace coupling {
@@ -43,6 +45,12 @@ std::vector<base::Parameter> joined(std::vector<base::Parameter> first, const st
   return first;
 }
 constexpr const char* own = "the grains' own";
+
+std::vector<std::string> grading_names() {
+  std::vector<std::string> names;
+  for (const auto& grading : dem::named_gradings()) names.emplace_back(grading.name);
+  return names;
+}
 }  // namespace
 
 const Table& time_table() {
@@ -156,7 +164,10 @@ const Table& packing_table() {
   static const Table table{
       "packing",
       "how the bed of grains is made",
-      {base::pairs("grading", "m", "[sieve size, mass share passing], rising; sizes spread evenly between sieves")
+      {base::pairs("grading", "m",
+                   "[sieve size, mass share passing], rising, sizes spread evenly between sieves; or a name of "
+                   "`trackbed list gradings`")
+           .among(grading_names())
            .at_least(0)
            .at_most(1),
        base::texts("shapes", "names of [[grains.shape]] to pour, turned at random, each in its own share")
@@ -266,8 +277,18 @@ const std::vector<ProbeRow>& probe_rows() {
       {"load", "N", "value of a named load (traction: Pa)", ProbeRow::load},
       {"contact_force", "N", "sum of the grains' forces on a body or wall", ProbeRow::contact},
       {"contact_stress", "Pa", "the same over an area", ProbeRow::contact_area},
-      {"porosity", "", "share of the box that no grain fills", ProbeRow::box},
-      {"coordination", "", "mean number of contacts of the grains in a box", ProbeRow::box},
+      {"porosity", "", "share of a region that no grain fills", ProbeRow::region},
+      {"coordination", "", "mean number of grains that press on a grain of a region", ProbeRow::region},
+      {"rattlers", "", "share of the grains of a region that have too few contacts to carry", ProbeRow::rattlers},
+      {"mechanical_coordination", "", "coordination of the grains that are no rattlers", ProbeRow::rattlers},
+      {"contact_force_mean", "N", "mean normal force of the contacts between grains", ProbeRow::forces},
+      {"contact_force_quantile", "N", "normal force that a share of the contacts stays below",
+       ProbeRow::force_quantile},
+      {"strong_contacts", "", "share of the contacts whose normal force is above the mean", ProbeRow::forces},
+      {"stress", "Pa", "mean stress of the grains in a region (Love, Weber)", ProbeRow::stress},
+      {"heap_angle", "rad", "angle of repose of a heap", ProbeRow::heap},
+      {"passing", "", "mass share of the grains that passes a sieve", ProbeRow::sieve},
+      {"grain_displacement", "m", "of one grain since the measuring started", ProbeRow::grain},
       {"kinetic_energy", "J", "of all grains", ProbeRow::none},
       {"grain_position", "m", "centre of one grain", ProbeRow::grain},
       {"grain_velocity", "m/s", "velocity of one grain", ProbeRow::grain},
@@ -305,13 +326,21 @@ Table probe_table(const ProbeRow& row) {
       if (row.where == ProbeRow::contact_area) list.push_back(base::real("area", "m2", "divides the force").above(0));
       list.push_back(component);
       break;
-    case ProbeRow::box:
-      list.push_back(base::table("box", box_table(), "where"));
+    case ProbeRow::region:
+    case ProbeRow::rattlers:
+    case ProbeRow::forces:
+    case ProbeRow::force_quantile:
+    case ProbeRow::stress:
+    case ProbeRow::heap:
+    case ProbeRow::sieve:
+      list = joined(list, grain_probe_parameters(row.where, box_table()));
       break;
     case ProbeRow::none:
       break;
     case ProbeRow::grain:
-      list.push_back(base::integer("grain", "number of the [[grain]], from 0").at_least(0));
+      list.push_back(base::integer("grain", "number of the [[grain]], from 0").at_least(0).optional("`point` instead"));
+      list.push_back(
+          base::vector("point", "m", "the grain nearest to it when the measuring starts").optional("`grain` instead"));
       list.push_back(component);
       break;
     case ProbeRow::wall:
@@ -370,7 +399,10 @@ const Table& output_table() {
       "what is written, how often",
       {base::real("interval", "s", "between pictures of the state; 0: only the last").at_least(0).otherwise(0.0),
        base::real("probe_interval", "s", "between rows of history.csv; 0: every window").at_least(0).otherwise(0.0),
-       base::boolean("contacts", "write contacts.pvd (force chains)").otherwise(false)}};
+       base::boolean("contacts", "write contacts.pvd (force chains) and contact_forces.csv").otherwise(false),
+       base::reals("sieves", "m", "of sieve_curve.csv, the grains as the run starts with them")
+           .above(0)
+           .optional("those of the packing's grading")}};
   return table;
 }
 

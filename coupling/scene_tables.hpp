@@ -31,7 +31,24 @@ struct ProbeRow {
   const char* name;
   const char* unit;  // of its value; loads take their own
   const char* meaning;
-  enum Where { body_motion, load, contact, contact_area, box, none, grain, wall, sum, pair } where;
+  enum Where {
+    body_motion,
+    load,
+    contact,
+    contact_area,
+    region,
+    rattlers,
+    forces,
+    force_quantile,
+    stress,
+    heap,
+    sieve,
+    none,
+    grain,
+    wall,
+    sum,
+    pair
+  } where;
 };
 const std::vector<ProbeRow>& probe_rows();
 

@@ -91,16 +91,22 @@ std::vector<double> sample_radii(const SieveCurve& curve, double solid_volume, s
   return radii;
 }
 
-SieveCurve sieve(std::span<const double> radii, std::span<const double> sizes) {
+SieveCurve sieve(std::span<const SizedGrain> grains, std::span<const double> sizes) {
   SieveCurve curve;
   double total = 0;
-  for (const double radius : radii) total += radius * radius * radius;
+  for (const SizedGrain& grain : grains) total += grain.volume;
   for (const double size : sizes) {
     double passed = 0;
-    for (const double radius : radii) passed += 2 * radius <= size ? radius * radius * radius : 0;
+    for (const SizedGrain& grain : grains) passed += grain.size <= size ? grain.volume : 0;
     curve.push_back({size, total > 0 ? passed / total : 0});
   }
   return curve;
+}
+
+SieveCurve sieve(std::span<const double> radii, std::span<const double> sizes) {
+  std::vector<SizedGrain> grains;
+  for (const double radius : radii) grains.push_back({2 * radius, sphere_volume(2 * radius)});
+  return sieve(grains, sizes);
 }
 
 double passing(const SieveCurve& curve, double size) {
@@ -142,6 +148,24 @@ bool within_en13450_a(const SieveCurve& curve, std::string* why_not) {
                   100 * middle, 50);
   }
   return true;
+}
+
+const std::vector<NamedGrading>& named_gradings() {
+  constexpr std::string_view source = "EN 13450:2013 category A, as printed in Irazabal2017 Table 2.1";
+  static const std::vector<NamedGrading> rows{
+      {"en13450_a",
+       "railway ballast 31.5/50, category A: the middle of its limits",
+       source,
+       {{0.0224, 0.015}, {0.0315, 0.125}, {0.040, 0.475}, {0.050, 0.85}, {0.063, 1}}},
+      {"en13450_a_fine",
+       "the finest that category A allows: its upper limits",
+       source,
+       {{0.0224, 0.03}, {0.0315, 0.25}, {0.040, 0.65}, {0.050, 1}}},
+      {"en13450_a_coarse",
+       "the coarsest that category A allows: its lower limits",
+       source,
+       {{0.0315, 0}, {0.040, 0.30}, {0.050, 0.70}, {0.063, 1}}}};
+  return rows;
 }
 
 }  // namespace dem

@@ -14,6 +14,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace dem {
@@ -51,7 +52,14 @@ double mean_grain_volume(const SieveCurve&);
 /// Radii [m], in random order, whose volumes add up to `solid_volume` [m3] within half of the smallest grains' volume.
 std::vector<double> sample_radii(const SieveCurve&, double solid_volume, std::uint64_t seed);
 
-/// Sieves the grains: mass share passing each of the sizes (rising or not). Equal densities.
+/// A grain as a sieve sees it.
+struct SizedGrain {
+  double size = 0;    // [m] smallest square hole that it passes (dimensions.hpp); of a sphere its diameter
+  double volume = 0;  // [m3] of its solid
+};
+/// Sieves the grains: mass share passing each of the sizes (rising or not); 0 without grains. Equal densities.
+SieveCurve sieve(std::span<const SizedGrain>, std::span<const double> sizes);
+/// The same for spheres.
 SieveCurve sieve(std::span<const double> radii, std::span<const double> sizes);
 
 /// Mass share that passes a sieve of this size: the curve itself, linear between its points.
@@ -60,5 +68,13 @@ double passing(const SieveCurve&, double size);
 /// EN 13450 category A: passing 22.4 mm 0-3 %, 31.5 mm 0-25 %, 40 mm 30-65 %, 50 mm 70-100 %, 63 mm 100 %, and at
 /// least 50 % between 31.5 and 50 mm (the row printed "32-50"). `why_not` tells the first limit that is broken.
 bool within_en13450_a(const SieveCurve&, std::string* why_not = nullptr);
+
+/// A curve that scenes know by name.
+struct NamedGrading {
+  std::string_view name, text, source;
+  SieveCurve curve;
+};
+/// To add one: a row here, with its source; `trackbed list gradings` and scenes follow.
+const std::vector<NamedGrading>& named_gradings();
 
 }  // namespace dem

@@ -29,6 +29,17 @@ TEST(Grading, FiveThousandGrainsFollowTheCurve) {
   }
 }
 
+// By hand: of 1 + 2 + 5 parts of mass 1 passes 30 mm, 3 pass 40 mm; a grain passes the sieve of its own size. By number
+// it would be a third and two thirds.
+TEST(Grading, SieveWeighsTheGrains) {
+  const std::vector<dem::SizedGrain> grains{{0.050, 5e-5}, {0.030, 1e-5}, {0.040, 2e-5}};
+  const std::vector<double> sizes{0.020, 0.030, 0.040, 0.063};
+  const auto curve = dem::sieve(grains, sizes);
+  const std::vector<double> expected{0, 1.0 / 8, 3.0 / 8, 1};
+  for (std::size_t i = 0; i < sizes.size(); ++i) EXPECT_DOUBLE_EQ(curve[i].passing, expected[i]) << sizes[i];
+  EXPECT_EQ(dem::sieve(std::vector<dem::SizedGrain>{}, sizes).back().passing, 0);
+}
+
 TEST(Grading, FewGrainsStillFollowTheCurve) {
   const auto radii = dem::sample_radii(ballast, 300 * dem::mean_grain_volume(ballast), 7);
   const std::vector<double> sizes{0.0315, 0.040, 0.050, 0.063};

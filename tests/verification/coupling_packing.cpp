@@ -107,7 +107,24 @@ TEST(Packing, CubeOfBallast) {
   fs::remove_all(folder);
 }
 
-// A plate that would have to press the grains far below their closest packing stops and says so.
+// Without side walls the bed slumps once it is free, and what rolls out of the box is taken out. The contacts that are
+// counted then are those of the grains that stayed: with the lists of before, numbers of grains that are gone are read.
+TEST(Packing, GrainsThatLeaveTheBoxAreForgotten) {
+  coupling::Scene scene = cube_scene();
+  scene.grains->walls.resize(1);  // the floor
+  scene.grains->packing->use_cache = false;
+  scene.grains->packing->young_modulus = 0.02e9;
+  scene.grains->packing->layers[0].plate = false;
+  scene.grains->packing->layers[0].box.upper = {edge, edge, 0.5 * edge};
+  coupling::PackingReport report;
+  const auto grains = coupling::pack(scene, {}, dem::Backend::omp, report);
+  EXPECT_GT(grains.size(), 20u);
+  EXPECT_LT(grains.size(), 150u) << "nothing left the box: the test shows nothing";
+  EXPECT_GT(report.coordination, 1);
+  EXPECT_LT(report.coordination, 6);
+  for (const auto& grain : grains) EXPECT_LT(grain.position.x, edge + grain.radius);
+}
+
 // Stones of the library: they keep their shares and the grading's sizes, lie inside the walls with every sphere, and
 // fill what their unions' volume says. Adding up spheres would give a porosity below zero.
 TEST(Packing, CubeOfClumps) {
@@ -158,6 +175,7 @@ TEST(Packing, CubeOfClumps) {
   EXPECT_NEAR(filled * size.x * size.y * size.z / solid, 1, 0.01);
 }
 
+// A plate that would have to press the grains far below their closest packing stops and says so.
 TEST(Packing, PlateThatCannotComeDown) {
   coupling::Scene scene = cube_scene();
   scene.grains->packing->use_cache = false;
