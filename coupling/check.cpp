@@ -140,6 +140,7 @@ std::string grains_text(const Setup& setup, const GrainEstimate& estimate) {
   text += fmt::format("  rolling: {}\n", of_every_pair(part, [](const auto& pair) {
                         return pair.rolling_friction > 0 ? pair.rolling : std::string("off");
                       }));
+  if (part.packing) text += packing_text(*part.packing);
   text += fmt::format("  walls: {} rigid, {} deformable skins\n", part.walls.size(), part.body_material.size());
   text += fmt::format("  backend: {}, {} thread{}\n", setup.backend == dem::Backend::cuda ? "cuda" : "omp",
                       setup.threads, setup.threads > 1 ? "s" : "");

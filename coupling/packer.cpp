@@ -55,18 +55,22 @@ Packer::Packer(const Scene& scene, const std::vector<base::Skin>& skins, dem::Ba
       region_(scene, skins),
       mix_(packing_, scene.grains->shapes),
       clumps_(clumps(scene.grains->shapes)),
+      median_(median_size(sieve_curve(packing_))),
       terminal_(isatty(STDERR_FILENO) != 0) {
   dem::Setup setup;
   setup.materials = scene.grains->materials;
   setup.materials.front().young_modulus = packing_.young_modulus;
-  setup.interactions = scene.grains->interactions;
+  for (const LooseRegion& region : packing_.loosened) {
+    if (region.friction) setup.materials.push_back(setup.materials.front());
+  }
+  setup.interactions.assign(setup.materials.size() * setup.materials.size(), scene.grains->interactions.front());
   setup.gravity = scene.gravity;
   setup.skin = scene.grains->neighbour_skin;
   setup.track_energy = false;
   simulation_ = dem::Simulation::create(setup, backend);
   add_shapes(*simulation_, scene.grains->shapes);
   simulation_->set_grain_damping(packing_.grain_damping);
-  use_interactions(false);
+  use_interactions(Friction::of_packing);
   add_walls();
 }
 
@@ -74,10 +78,14 @@ std::vector<dem::Grain> Packer::run(PackingReport& report) {
   for (std::size_t layer = 0; layer < packing_.layers.size(); ++layer) {
     phase_ = fmt::format("packing layer {} of {}", layer + 1, packing_.layers.size());
     bring_bodies(layer);
-    pour(layer);
+    if (packing_.layers[layer].growth)
+      grow(layer);
+    else
+      pour(layer);
+    if (packing_.layers[layer].vibration) vibrate(layer);
     const double top = packing_.layers[layer].box.upper.z;
     if (packing_.layers[layer].plate) {
-      strike_off(top - strike_depth * 0.5 * median_size(sieve_curve(packing_)));
+      strike_off(top - strike_depth * 0.5 * median_);
       press(packing_.layers[layer]);
     } else {
       strike_off(top);
@@ -85,22 +93,40 @@ std::vector<dem::Grain> Packer::run(PackingReport& report) {
   }
   phase_ = "packing: slope";
   cut_free();
+  drop_lost();
+  report.porosity = region_.porosity(simulation_->spheres(), median_);
+  loosen();
+  erode();
+  drop_lost();
   if (terminal_) fmt::print(stderr, "\r\033[K");
   std::vector<dem::Grain> grains = simulation_->grains();
-  report.porosity = region_.porosity(simulation_->spheres(), median_size(sieve_curve(packing_)));
+  if (!grains.empty()) simulation_->advance(0, step());  // contacts of grains that were taken out are gone then
   report.coordination = coordination(grains, simulation_->grain_contacts(), region_.all());
-  for (dem::Grain& grain : grains) grain.velocity = grain.angular_velocity = {};
+  report.steps = steps_;
+  for (dem::Grain& grain : grains) {
+    grain.velocity = grain.angular_velocity = {};
+    grain.material = 0;
+  }
   return grains;
 }
 
-void Packer::use_interactions(bool real) {
+void Packer::use_interactions(Friction friction) {
   const int count = static_cast<int>(scene_.grains->materials.size());
-  for (int a = 0; a < count; ++a) {
-    for (int b = a; b < count; ++b) {
-      dem::Interaction pair = scene_.grains->interactions[static_cast<std::size_t>(a * count + b)];
-      if (!real) {
+  std::vector<double> loose;  // frictions of loosened regions, whose grains are materials of their own
+  for (const LooseRegion& region : packing_.loosened) {
+    if (region.friction) loose.push_back(*region.friction);
+  }
+  const int all = count + static_cast<int>(loose.size());
+  const auto in_scene = [&](int material) { return material < count ? material : 0; };
+  for (int a = 0; a < all; ++a) {
+    for (int b = a; b < all; ++b) {
+      dem::Interaction pair = scene_.grains->interactions[static_cast<std::size_t>(in_scene(a) * count + in_scene(b))];
+      if (friction == Friction::of_packing) {
         pair.friction = std::min(pair.friction, packing_.friction);
         pair.rolling_friction = std::min(pair.rolling_friction, packing_.rolling_friction);
+        if (a == b && a >= count) pair.friction = loose[static_cast<std::size_t>(a - count)];
+      } else if (friction == Friction::none) {
+        pair.friction = pair.rolling_friction = 0;
       }
       simulation_->set_interaction(a, b, pair);
     }
@@ -159,34 +185,30 @@ double Packer::clearing_lift(const Obstacle& obstacle) {
   return most * increment;
 }
 
-void Packer::pour(std::size_t number) {
+void Packer::refuse(const PackingLayer& layer, const std::string& why) const {
+  throw base::UserError(fmt::format("{}: packing.layer: {}", layer.origin, why));
+}
+
+std::vector<dem::Grain> Packer::draw(std::size_t number, double solid) const {
+  const std::vector<double> sizes =
+      dem::sample_radii(sieve_curve(packing_), solid / mix_.solid(), packing_.seed + number);
+  return mix_.grains(sizes, packing_.seed + 7000003 * (number + 1));
+}
+
+double Packer::insert(std::size_t number, std::vector<dem::Grain>& grains, double top) {
   const PackingLayer& layer = packing_.layers[number];
-  const auto refuse = [&](const std::string& why) {
-    throw base::UserError(fmt::format("{}: packing.layer: {}", layer.origin, why));
-  };
-  const double free = region_.volume(number);
-  const dem::SieveCurve curve = sieve_curve(packing_);
-  const double solid = (1 - packing_.target_porosity) * free * (1 + layer.overfill);
-  if (solid < mix_.solid() * dem::mean_grain_volume(curve)) {
-    refuse(fmt::format(
-        "the box has room for {:.3g} m3, less than one grain; bodies and walls fill it, or it is too small", free));
-  }
-  const std::vector<double> sizes = dem::sample_radii(curve, solid / mix_.solid(), packing_.seed + number);
-  std::vector<dem::Grain> grains = mix_.grains(sizes, packing_.seed + 7000003 * (number + 1));
   std::vector<dem::Sphere> around;
   std::vector<double> radii;
   for (const dem::Grain& grain : grains) {
     around.push_back(sphere_around(grain, scene_.grains->shapes));
     radii.push_back(around.back().radius);
   }
-
   std::vector<dem::Sphere> existing;
   for (const dem::GrainSphere& sphere : simulation_->spheres()) existing.push_back({sphere.position, sphere.radius});
-  const Vec3 size = layer.box.upper - layer.box.lower;
   dem::Insertion insertion;
   insertion.lower = layer.box.lower;
   insertion.upper = layer.box.upper;
-  insertion.upper.z = layer.box.lower.z + mix_.around() * solid / pour_fraction * size.z / free;
+  insertion.upper.z = top;
   insertion.seed = packing_.seed + 1000003 * (number + 1);
   insertion.existing = existing;
   insertion.room = [&](const dem::Sphere& s) { return region_.room(number, s.position, s.radius); };
@@ -194,15 +216,34 @@ void Packer::pour(std::size_t number) {
   try {
     inserted = dem::insert_spheres(radii, insertion);
   } catch (const base::UserError& error) {
-    refuse(error.what());
+    refuse(layer, error.what());
   }
+  const double sinking = (layer.box.upper.z - layer.box.lower.z) / (inserted.top - layer.box.lower.z);
   for (std::size_t i = 0; i < grains.size(); ++i) {
+    Vec3 rest = inserted.positions[i];  // about where it comes to rest
+    rest.z = layer.box.lower.z + sinking * (rest.z - layer.box.lower.z);
+    grains[i].material = material_at(rest);
     grains[i].position = inserted.positions[i] - around[i].position;  // which was taken round a grain at the origin
     grains[i].id = next_id_++;
   }
   simulation_->add_grains(grains);
-  spdlog::info("layer {}: {} grains poured from {:.2f} m", number + 1, grains.size(), inserted.top - layer.box.lower.z);
-  const double fall = std::sqrt(2 * (inserted.top - layer.box.lower.z) / norm(scene_.gravity));
+  return inserted.top;
+}
+
+void Packer::pour(std::size_t number) {
+  const PackingLayer& layer = packing_.layers[number];
+  const double free = region_.volume(number);
+  const double solid = (1 - packing_.target_porosity) * free * (1 + layer.overfill);
+  if (solid < mix_.solid() * dem::mean_grain_volume(sieve_curve(packing_))) {
+    refuse(layer, fmt::format("the box has room for {:.3g} m3, less than one grain; bodies and walls fill it, or it is "
+                              "too small",
+                              free));
+  }
+  std::vector<dem::Grain> grains = draw(number, solid);
+  const Vec3 size = layer.box.upper - layer.box.lower;
+  const double top = insert(number, grains, layer.box.lower.z + mix_.around() * solid / pour_fraction * size.z / free);
+  spdlog::info("layer {}: {} grains poured from {:.2f} m", number + 1, grains.size(), top - layer.box.lower.z);
+  const double fall = std::sqrt(2 * (top - layer.box.lower.z) / norm(scene_.gravity));
   const double time = layer.settle * std::sqrt(mix_.around());  // what is poured from higher falls longer
   settle(std::min(fall, time), time);
 }
@@ -234,8 +275,7 @@ void Packer::settle(double earliest, double duration) {
   }
 }
 
-template <typename Condition>
-std::size_t Packer::remove_if(Condition condition) {
+std::size_t Packer::remove_if(const std::function<bool(const dem::Grain&)>& condition) {
   std::vector<std::int64_t> ids;
   for (const dem::Grain& grain : simulation_->grains()) {
     if (condition(grain)) ids.push_back(grain.id);
@@ -253,6 +293,7 @@ void Packer::press(const PackingLayer& layer) {
   double top = layer.box.upper.z;
   for (const dem::GrainSphere& sphere : simulation_->spheres()) top = std::max(top, sphere.position.z + sphere.radius);
   const double travel = top - layer.box.upper.z;
+  if (!(travel > 0)) return spdlog::info("no grain stands above the plate's level");
   const Vec3 middle = (layer.box.lower + layer.box.upper) * 0.5;
   const Vec3 size = layer.box.upper - layer.box.lower;
   const int plate = simulation_->add_plane({{middle.x, middle.y, top}, {0, 0, -1}}, 0);
@@ -301,9 +342,12 @@ void Packer::cut_free() {
                        [&](const dem::Plane& plane) { return height_above(plane, grain.position) > 0; });
   });
   if (!packing_.cuts.empty()) spdlog::info("{} grains cut away", cut);
-  use_interactions(true);
+  use_interactions(Friction::of_scene);
   for (const int wall : temporary_walls_) simulation_->remove_wall(wall);
   settle(slope_earliest, slope_time);
+}
+
+void Packer::drop_lost() {
   const Box& box = region_.all();
   const std::size_t lost = remove_if([&](const dem::Grain& grain) {
     const Vec3& p = grain.position;

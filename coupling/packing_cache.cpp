@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raise it whenever the packing procedure changes what comes out.
-constexpr int format_version = 3;
+constexpr int format_version = 4;
 
 /// FNV-1a, 64 bit.
 class Hash {
@@ -52,7 +52,23 @@ void add_packing(Hash& hash, const Packing& packing) {
   }
   for (const int shape : packing.shapes) hash.add(shape);
   for (const double share : packing.shape_shares) hash.add(share);
+  hash.add(packing.tolerance.value_or(-1)), hash.add(packing.tries);
+  for (const LooseRegion& region : packing.loosened) {
+    hash.add(region.box.lower), hash.add(region.box.upper), hash.add(region.friction.value_or(-1));
+    hash.add(region.share);
+  }
+  for (const ErodedRegion& region : packing.eroded) {
+    hash.add(region.box.lower), hash.add(region.box.upper), hash.add(region.settle);
+    if (region.above) hash.add(*region.above);
+  }
   for (const PackingLayer& layer : packing.layers) {
+    if (const auto& grown = layer.growth) {
+      for (const double value : {grown->start, grown->overlap, grown->damping, grown->gravity_factor, grown->lowering})
+        hash.add(value);
+    }
+    if (const auto& shaken = layer.vibration) {
+      hash.add(shaken->amplitude), hash.add(shaken->frequency), hash.add(shaken->time), hash.add(shaken->direction);
+    }
     hash.add(layer.box.lower), hash.add(layer.box.upper);
     hash.add(layer.overfill), hash.add(layer.settle), hash.add(layer.plate);
     for (const std::string& body : layer.bodies) hash.add(body);
@@ -97,9 +113,15 @@ std::optional<fs::path> folder() {
 }
 
 std::string header(const std::string& key, const PackingReport& report, const std::string& sum) {
-  return fmt::format(
-      "# trackbed packing, format {}\n# key {}\n# grains {} porosity {:a} coordination {:a} checksum {}\n",
-      format_version, key, report.grains, report.porosity, report.coordination, sum);
+  std::string text = fmt::format(
+      "# trackbed packing, format {}\n# key {}\n"
+      "# grains {} porosity {:a} coordination {:a} friction {:a} steps {} checksum {}\n",
+      format_version, key, report.grains, report.porosity, report.coordination, report.friction, report.steps.size(),
+      sum);
+  for (const PackingStep& step : report.steps)
+    text += fmt::format("# {} {} taken {} porosity {:a} {:a}\n", step.what, step.number, step.taken,
+                        step.porosity_before, step.porosity_after);
+  return text;
 }
 
 constexpr const char* columns = "id,x [m],y [m],z [m],radius [m]; of a clump also shape,orientation w,x,y,z";
@@ -119,22 +141,36 @@ std::string body_of(std::span<const dem::Grain> grains) {
 std::vector<dem::Grain> parse(const std::string& text, const std::string& key, PackingReport& report) {
   const auto fail = [](const char* why) { throw std::runtime_error(why); };
   std::size_t begin = 0;
-  std::array<std::string, 3> lines;
-  for (std::string& line : lines) {
-    const std::size_t end = text.find('\n', begin);
+  const auto next_line = [&] {
+    const std::size_t start = begin, end = text.find('\n', begin);
     if (end == std::string::npos) fail("truncated");
-    line = text.substr(begin, end - begin);
     begin = end + 1;
-  }
+    return text.substr(start, end - start);
+  };
+  const std::array<std::string, 3> lines{next_line(), next_line(), next_line()};
   if (lines[0] != fmt::format("# trackbed packing, format {}", format_version)) fail("of another format");
   if (lines[1] != "# key " + key) fail("of another scene");
   std::istringstream third(lines[2]);
-  std::string mark, word, porosity, coordination, sum;
-  third >> mark >> word >> report.grains >> word >> porosity >> word >> coordination >> word >> sum;
+  std::string mark, word, porosity, coordination, friction, sum;
+  std::size_t steps = 0;
+  third >> mark >> word >> report.grains >> word >> porosity >> word >> coordination >> word >> friction >> word >>
+      steps >> word >> sum;
+  report.steps.clear();
+  for (std::size_t i = 0; third && i < steps; ++i) {
+    std::istringstream line(next_line());
+    PackingStep step;
+    std::string before, after;
+    line >> mark >> step.what >> step.number >> word >> step.taken >> word >> before >> after;
+    if (!line) fail("damaged");
+    step.porosity_before = std::strtod(before.c_str(), nullptr);
+    step.porosity_after = std::strtod(after.c_str(), nullptr);
+    report.steps.push_back(step);
+  }
   const std::string body = text.substr(begin);
   if (!third || sum != checksum(body)) fail("damaged or truncated");
   report.porosity = std::strtod(porosity.c_str(), nullptr);
   report.coordination = std::strtod(coordination.c_str(), nullptr);
+  report.friction = std::strtod(friction.c_str(), nullptr);
   std::vector<dem::Grain> grains;
   const char* at = body.c_str() + body.find('\n') + 1;
   while (*at != '\0') {

@@ -145,7 +145,17 @@ double PackingRegion::volume(std::size_t layer) const {
   return coupling::volume(box, lattice_for(box), [&](const Vec3& p) { return room(layer, p, 0); });
 }
 
+double PackingRegion::volume(const Box& box, std::size_t layer, double margin) const {
+  return coupling::volume(box, lattice_for(box), [&](const Vec3& p) { return room(layer, p, margin); });
+}
+
 bool PackingRegion::interior(const Vec3& p, double margin) const {
+  for (const LooseRegion& region : packing_.loosened) {
+    if (contains(region.box, p)) return false;
+  }
+  for (const ErodedRegion& region : packing_.eroded) {
+    if (contains(region.box, p)) return false;
+  }
   for (const dem::Plane& cut : packing_.cuts) {
     if (height_above(cut, p) > -margin) return false;
   }
@@ -164,6 +174,25 @@ double PackingRegion::porosity(std::span<const dem::GrainSphere> spheres, double
     }
   }
   return coupling::porosity(spheres, all_, lattice_for(all_));
+}
+
+double PackingRegion::porosity(std::span<const dem::GrainSphere> spheres, const Box& box, std::size_t layer,
+                               double margin) const {
+  for (double m = margin; m > 0.05 * margin; m *= 0.5) {
+    const auto filter = [&](const Vec3& p) { return p.z + m < box.upper.z && room(layer, p, m); };
+    if (coupling::volume(box, 2 * lattice_for(box), filter) > 0)
+      return coupling::porosity(spheres, box, 0.8 * lattice_for(box), filter);
+  }
+  return coupling::porosity(spheres, box, lattice_for(box));
+}
+
+double PackingRegion::porosity_in(const Box& box, std::span<const dem::GrainSphere> spheres) const {
+  const auto filter = [&](const Vec3& p) {
+    return room(packing_.layers.size() - 1, p, 0) &&
+           std::none_of(packing_.cuts.begin(), packing_.cuts.end(),
+                        [&](const dem::Plane& cut) { return height_above(cut, p) > 0; });
+  };
+  return coupling::porosity(spheres, box, 0.5 * lattice_for(box), filter);
 }
 
 }  // namespace coupling

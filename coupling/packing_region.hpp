@@ -37,7 +37,14 @@ class PackingRegion {
   double volume(std::size_t layer) const;
   /// Porosity [-] of the interior: points of the layers farther than `margin` [m] from walls, sides, cuts, bodies and
   /// the layers' free tops; with less margin when nothing would be left.
+  /// Loosened and eroded regions do not count.
   double porosity(std::span<const dem::GrainSphere>, double margin) const;
+  /// The same of a box, while this layer is packed.
+  double porosity(std::span<const dem::GrainSphere>, const Box&, std::size_t layer, double margin) const;
+  /// Porosity [-] of a box of the finished bed: outside bodies and walls, below the cuts.
+  double porosity_in(const Box&, std::span<const dem::GrainSphere>) const;
+  /// Volume [m3] of a box, `margin` [m] away from the bodies and walls that are there in this layer.
+  double volume(const Box&, std::size_t layer, double margin) const;
 
  private:
   bool interior(const Vec3&, double margin) const;

@@ -88,13 +88,50 @@ struct WallScene {
   std::string origin;
 };
 
-/// One lift of ballast: grains poured over `box`, settled, struck off at the box's top, levelled by a plate.
+/// Grains put small into a closed box and grown (packing_growth.cpp).
+struct Growth {
+  double start = 0.625;        // share of their size at which grains are put in
+  double overlap = 0.02;       // of the smaller radius: added by one stage at most, and left at most
+  double damping = 100;        // [1/s] while they grow
+  double gravity_factor = 30;  // of the gravity that presses the bed once the lid is gone
+  double lowering = 0.1;       // [s] in which that gravity becomes the scene's own
+};
+
+/// The whole container shaken, amplitude sin(2 pi frequency t) along the direction (packing_vibration.cpp).
+struct Vibration {
+  double amplitude = 0;  // [m]
+  double frequency = 0;  // [1/s]
+  double time = 0;       // [s]
+  Vec3 direction{0, 0, 1};
+  std::string origin;
+};
+
+/// A part of the bed that is less dense than the rest (packing_regions.cpp).
+struct LooseRegion {
+  Box box;                         // [m]
+  std::optional<double> friction;  // between its grains while packing
+  double share = 0;                // of its grains, taken out of the finished bed
+  std::string origin;
+};
+
+/// A box out of which grains are taken until none comes any more (packing_regions.cpp).
+struct ErodedRegion {
+  Box box;                          // [m]
+  std::optional<dem::Plane> above;  // only what lies on the side that the normal points to
+  double settle = 1;                // [s] at most
+  std::string origin;
+};
+
+/// One lift of ballast: grains poured over `box` or grown in it, settled, struck off at the box's top, levelled by a
+/// plate.
 struct PackingLayer {
   Box box;                          // [m] what the lift is to fill
   double overfill = 0.1;            // more solid volume than needed by this share
   bool plate = true;                // press a level plate down to the box's top afterwards
   std::vector<std::string> bodies;  // bodies and mesh walls already in place (as rigid surfaces), e.g. the sleeper
   double settle = 0.5;              // [s] time for the grains to come down and calm
+  std::optional<Growth> growth;     // instead of being poured
+  std::optional<Vibration> vibration;
   std::string origin;
 };
 
@@ -109,12 +146,16 @@ struct Packing {
   double young_modulus = 0;  // [Pa] of the grains while packing
   double friction = 0;       // grain–grain and grain–wall while packing
   double rolling_friction = 0;
-  double target_porosity = 0.4;  // decides how many grains are poured
-  double grain_damping = 0;      // [1/s]
-  double plate_speed = 0.2;      // [m/s]
+  double target_porosity = 0.4;     // decides how many grains are poured
+  std::optional<double> tolerance;  // a bed that is farther from the target is refused
+  int tries = 1;                    // beds packed, with other frictions, until one is within the tolerance
+  double grain_damping = 0;         // [1/s]
+  double plate_speed = 0.2;         // [m/s]
   std::vector<PackingLayer> layers;
   std::vector<dem::Plane>
       cuts;  // after packing, grains reaching above a cut plane (normal points away from the ballast) are taken out
+  std::vector<LooseRegion> loosened;
+  std::vector<ErodedRegion> eroded;
   std::vector<int> shapes;           // of GrainsScene::shapes; empty: spheres
   std::vector<double> shape_shares;  // of the number of grains, one per shape, sum 1
   bool use_cache = true;

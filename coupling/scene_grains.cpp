@@ -146,7 +146,7 @@ std::vector<GradingRow> read_grading(const Value& value) {
   return rows;
 }
 
-PackingLayer read_layer(const Value& row, const Value& root) {
+PackingLayer read_layer(Value& row, const Value& root) {
   PackingLayer layer;
   layer.box = read_box(row.at("box"));
   layer.overfill = row.at("overfill").real();
@@ -164,6 +164,8 @@ PackingLayer read_layer(const Value& row, const Value& root) {
     }
   }
   layer.settle = row.at("settle").real();
+  read_growth(row, layer);
+  read_vibration(row, layer);
   layer.origin = row.origin();
   return layer;
 }
@@ -190,7 +192,9 @@ Packing read_packing(Value& table, const Value& root, const dem::Interaction& co
   packing.grain_damping = table.at("grain_damping").real();
   packing.plate_speed = table.at("plate_speed").real();
   if (table.at("layer").list().empty()) fail(table.at("layer"), "a packing needs a layer", "add [[packing.layer]]");
-  for (const auto& row : table.at("layer").list()) packing.layers.push_back(read_layer(row, root));
+  for (auto& row : table.at("layer").list()) packing.layers.push_back(read_layer(row, root));
+  read_target(table, packing);
+  read_regions(table, packing);
   for (const auto& cut : table.at("cuts").list()) packing.cuts.push_back(read_plane(cut));
   packing.use_cache = table.at("cache").boolean();
   packing.origin = table.origin();

@@ -25,6 +25,14 @@ std::map<std::string, double> read_numbers(const base::Value&);
 /// Throws when a .geo file does not hold one of the parameters.
 void require_mesh_parameters(const base::Value& table_with_mesh);
 
+// ---- scene_packing.cpp
+/// Growth with its defaults where the layer's method is growth. Throws on a table that the method does not read.
+void read_growth(base::Value& layer_row, PackingLayer&);
+void read_vibration(const base::Value& layer_row, PackingLayer&);
+void read_target(const base::Value& packing_table, Packing&);
+/// Loosened and eroded regions; throws on one that no layer reaches.
+void read_regions(const base::Value& packing_table, Packing&);
+
 // ---- scene_contacts.cpp
 /// Law, rolling and constants of a table. What a partner of the grains does not say is as in `grains`; null: `table` is
 /// the grains' own. Throws on a constant that the law lacks, and on one that it does not read.

@@ -13,7 +13,6 @@ using base::Family;
 using base::Table;
 using base::Vec3;
 
-namespace {
 const Table& box_table() {
   static const Table table{"box",
                            "an upright box, between two corners",
@@ -30,6 +29,7 @@ const Table& plane_table() {
   return table;
 }
 
+namespace {
 const Table& cut_table() {
   static const Table table{
       "packing.cuts",
@@ -150,13 +150,18 @@ const Table& wall_table() {
 const Table& layer_table() {
   static const Table table{
       "packing.layer",
-      "one lift: poured, settled, struck off at the box's top, levelled",
+      "one lift: poured or grown, settled, shaken, struck off at the box's top, levelled",
       {base::table("box", box_table(), "what the lift is to fill"),
        base::real("overfill", "", "more solid volume than needed by this share").at_least(0).otherwise(0.1),
        base::boolean("plate", "press a level plate down to the box's top afterwards").otherwise(true),
        base::texts("bodies", "bodies (and mesh walls) that are in place from this layer on, as rigid surfaces")
            .otherwise_empty(),
-       base::real("settle", "s", "time for the grains to come down and calm").at_least(0).otherwise(0.5)}};
+       base::real("settle", "s", "time for the grains to come down and calm").at_least(0).otherwise(0.5),
+       base::text("method", "gravity: poured; growth: grown from small in the closed box")
+           .among({"gravity", "growth"})
+           .otherwise("gravity"),
+       base::table("growth", growth_table(), "how, with method = \"growth\"").optional("its defaults"),
+       base::table("vibration", vibration_table(), "shakes the container once the grains are calm").optional("none")}};
   return table;
 }
 
@@ -180,10 +185,20 @@ const Table& packing_table() {
            .at_least(0)
            .optional(own),
        base::real("target_porosity", "", "decides how many grains are poured").above(0).below(1).otherwise(0.4),
+       base::real("tolerance", "", "a bed whose porosity is farther from the target is refused")
+           .above(0)
+           .below(1)
+           .optional("the porosity reached is only reported"),
+       base::integer("tries", "beds packed, with more or less friction, until one is within the tolerance")
+           .at_least(1)
+           .at_most(20)
+           .otherwise(1),
        base::real("grain_damping", "1/s", "artificial damping -alpha m v while packing").at_least(0).otherwise(0.0),
        base::real("plate_speed", "m/s", "of the levelling plate").above(0).otherwise(0.2),
        base::boolean("cache", "keep the packing and use it again while nothing that makes it changes").otherwise(true),
        base::tables("cuts", cut_table(), "planes that trim the finished packing").otherwise_empty(),
+       base::tables("loosen", loosen_table(), "parts of the bed that are to be less dense").otherwise_empty(),
+       base::tables("erode", erode_table(), "parts of the bed that are to be empty").otherwise_empty(),
        base::tables("layer", layer_table(), "lifts, from below")}};
   return table;
 }

@@ -16,6 +16,14 @@ const base::Table& wall_table();
 const base::Table& wall_material_table();
 const base::Table& packing_table();
 const base::Table& layer_table();
+const base::Table& box_table();
+const base::Table& plane_table();
+// ---- packing_tables.cpp
+const base::Table& growth_table();
+const base::Table& vibration_table();
+const base::Table& loosen_table();
+const base::Table& erode_table();
+// ----
 const base::Table& body_table();
 const base::Family& material_family();  // by law
 const base::Table& support_table();

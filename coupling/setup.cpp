@@ -110,6 +110,9 @@ void Setup::place_grains(Summary& summary) {
       summary.packing_wall = report.seconds;
       summary.packing_from_cache = report.from_cache;
       summary.porosity = report.porosity;
+      summary.porosity_asked = part.packing->target_porosity;
+      summary.packing_friction = report.friction;
+      summary.packing_steps = report.steps;
       summary.coordination = report.coordination;
       spdlog::info("{} grains, porosity {:.3f}, coordination {:.2f} ({})", report.grains, report.porosity,
                    report.coordination,

@@ -62,6 +62,17 @@ std::string host() {
   return name;
 }
 
+Json steps_json(std::span<const PackingStep> steps) {
+  Json list = Json::array();
+  for (const PackingStep& step : steps)
+    list.push_back({{"what", step.what},
+                    {"number", step.number},
+                    {"grains_taken", step.taken},
+                    {"porosity_before", number(step.porosity_before)},
+                    {"porosity_after", number(step.porosity_after)}});
+  return list;
+}
+
 }  // namespace
 
 std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
@@ -98,7 +109,10 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
     json["packing"] = {{"wall_s", run.packing_wall},
                        {"from_cache", run.packing_from_cache},
                        {"porosity", run.porosity},
-                       {"coordination", run.coordination}};
+                       {"porosity_asked", run.porosity_asked},
+                       {"friction", run.packing_friction},
+                       {"coordination", run.coordination},
+                       {"steps", steps_json(run.packing_steps)}};
   if (run.dem_bytes > 0) json["dem_bytes"] = run.dem_bytes;
   if (run.measured) json["energy"] = energy_json(run.ledger);
   json["momentum_error"] = number(run.momentum_error);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "coupling/ledger.hpp"
+#include "coupling/packing.hpp"
 #include "coupling/results.hpp"
 
 namespace coupling {
@@ -23,6 +24,8 @@ struct Summary {
   bool measured = false;  // the ledger covers something
   Ledger ledger;
   double porosity = 0, coordination = 0;  // of the packing
+  double porosity_asked = 0, packing_friction = 0;
+  std::vector<PackingStep> packing_steps;
   bool packed = false, packing_from_cache = false;
   std::size_t dem_bytes = 0;
 };

@@ -150,6 +150,9 @@ class Simulation {
   /// Overwrites position, velocities and orientation of the grains with these ids (histories of their contacts are
   /// kept).
   virtual void set_grains(std::span<const Grain>) = 0;
+  /// Makes these grains `factor` times as large about their centres (unknown ids are ignored); masses and inertias
+  /// follow, velocities stay. The ledger does not count what that stores in contacts and adds in kinetic energy.
+  virtual void scale_grains(std::span<const std::int64_t> ids, double factor) = 0;
   virtual void set_material(int material, const Material&) = 0;
   virtual void set_interaction(int a, int b, const Interaction&) = 0;
   virtual void set_gravity(Vec3) = 0;

@@ -25,6 +25,7 @@ class System final : public Simulation {
   std::vector<Grain> grains() const override;
   std::vector<GrainSphere> spheres() const override;
   void set_grains(std::span<const Grain>) override;
+  void scale_grains(std::span<const std::int64_t> ids, double factor) override;
   void set_material(int material, const Material&) override;
   void set_interaction(int a, int b, const Interaction&) override;
   void set_gravity(Vec3) override;

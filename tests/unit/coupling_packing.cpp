@@ -77,6 +77,8 @@ TEST_F(PackingCache, ComesBackBitIdentical) {
   written.grains = 3;
   written.porosity = 0.1 + 0.3;
   written.coordination = 5.0 / 3.0;
+  written.friction = 0.1 + 0.2;
+  written.steps = {{"growth", 1, 0, 1.0 / 3.0, 0.4}, {"erode", 2, 17, 0.38, 1}};
   coupling::store_packing("0123", grains, written);
   const auto back = coupling::load_packing("0123", read);
   ASSERT_TRUE(back);
@@ -89,6 +91,12 @@ TEST_F(PackingCache, ComesBackBitIdentical) {
   }
   EXPECT_EQ(read.porosity, written.porosity);
   EXPECT_EQ(read.coordination, written.coordination);
+  EXPECT_EQ(read.friction, written.friction);
+  ASSERT_EQ(read.steps.size(), 2u);
+  EXPECT_EQ(read.steps[0].porosity_before, 1.0 / 3.0);
+  EXPECT_EQ(read.steps[1].what, "erode");
+  EXPECT_EQ(read.steps[1].number, 2);
+  EXPECT_EQ(read.steps[1].taken, 17);
   EXPECT_TRUE(read.from_cache);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "a temporary file was left behind";
 }
