@@ -14,6 +14,7 @@
 #include "base/energy.hpp"
 #include "base/skin.hpp"
 #include "base/vec3.hpp"
+#include "dem/bond.hpp"
 #include "dem/clump.hpp"
 
 namespace dem {
@@ -161,6 +162,14 @@ class Simulation {
   /// Rigid or deforming surface. two_sided: grains may touch it from either side (the normal is set towards the grain).
   virtual int add_mesh(const base::Skin&, int material, bool two_sided) = 0;
   virtual void remove_wall(int wall) = 0;
+  // ---- bonds
+  /// Bonds grains as they lie now. A bond goes with its grains. Throws base::UserError: a grain that does not exist or
+  /// is a clump, a pair that is bonded already, a constant out of range.
+  virtual void add_bonds(std::span<const Bond>) = 0;
+  /// Host copy in the order of adding; broken ones too, but not those whose grains are gone.
+  virtual std::vector<BondNow> bonds() const = 0;
+  virtual std::int64_t broken_bonds() const = 0;
+
   /// Rigid translation with this velocity from now on (planes and meshes).
   virtual void set_wall_velocity(int wall, Vec3) = 0;
   /// From now on the wall is a rigid body at rest, without load. Throws base::UserError: no mass, or a free turn
@@ -184,7 +193,7 @@ class Simulation {
   virtual void advance(int n, double dt) = 0;
   virtual double time() const = 0;
   /// Over the present grains and materials: the Rayleigh limit; where a material meets linear springs 2 / omega with
-  /// omega^2 = 8 k / m (four contacts in one direction, partners moving against them).
+  /// omega^2 = 8 k / m (four contacts in one direction, partners moving against them). Bonds add their own omega^2.
   virtual StableStep stable_step() const = 0;
   /// 2/omega_max bound from the live contacts (normal and shear stiffness, damping, grain and wall-node free side).
   virtual StableStep contact_stable_step() const = 0;

@@ -2,7 +2,9 @@
 // The simulation on one Thrust system: what dem.hpp promises, put together from grains, pairs and walls.
 #include <string>
 
+#include "dem/contact_step.hpp"
 #include "dem/core/bodies.hpp"
+#include "dem/core/bonds.hpp"
 #include "dem/core/leapfrog.hpp"
 #include "dem/core/ledger.hpp"
 #include "dem/core/pairs.hpp"
@@ -28,6 +30,10 @@ class System final : public Simulation {
   void set_interaction(int a, int b, const Interaction&) override;
   void set_gravity(Vec3) override;
   void set_grain_damping(double alpha) override;
+
+  void add_bonds(std::span<const Bond>) override;
+  std::vector<BondNow> bonds() const override;
+  std::int64_t broken_bonds() const override { return bonds_.broken(); }
 
   int add_plane(const Plane&, int material) override;
   int add_mesh(const base::Skin&, int material, bool two_sided) override;
@@ -99,6 +105,10 @@ class System final : public Simulation {
   void each_contact(Visit&&) const;
   double stiffest_spring(int material) const;
 
+  std::vector<GrainInertia> inertias() const;
+  // system_bonds.hpp
+  std::vector<GrainSpring> bond_springs() const;
+  StableStep with_bonds(const StableStep& without) const;
   Setup setup_;
   Backend backend_;
   double alpha_ = 0;                         // [1/s] artificial damping
@@ -108,6 +118,7 @@ class System final : public Simulation {
   Bodies bodies_;                            // of clumps; empty without them
   std::vector<Clump> shapes_;
   PairColumns pairs_;
+  Bonds bonds_;
   Walls walls_;
   WallColumns near_walls_;
   Vector<double> density_;

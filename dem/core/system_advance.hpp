@@ -119,6 +119,7 @@ inline void System::rebuild(double share) {
     tight_ = skin_;
 #if !defined(TRACKBED_DEM_CUDA)
     if (sweeps()) {
+    if (bonds_.any()) bonds_.find(grains_);
       tight_ = std::fmin(tight_share_ * radii_.smallest, 0.5 * skin_);
       const int threads = omp_get_max_threads();
       sweep_lists_.find_near(search, n, threads);
@@ -209,6 +210,9 @@ inline void System::evaluate(const kernels::Interval& time, double ended) {
 }
 
 template <class Law>
+  if (bonds_.any())
+    bonds_.press(grains_, bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(),
+                 bodies_.of_sphere, ended);
 ContactPass<Law> contact_pass(const Grains& grains, PairColumns& pairs, const kernels::PairParameters* parameters,
                               int* unstable, double maximum_overlap, const kernels::Interval& time) {
   return {.geometry = {pointer(grains.place), grains.motions()},
