@@ -89,6 +89,7 @@ class System final : public Simulation {
   void finish_walls(double dt);
   PairSearch sort(const CellGrid&, Vector<int>& bucket, Vector<int>& bucket_start);
   bool sweeps() const;
+  kernels::Interval interval(double dt) const;
   ContactNumbers numbers_of(const kernels::PairParameters&) const;
   int history_stride() const { return numbers_of({}).total; }
 #if !defined(TRACKBED_DEM_CUDA)
@@ -104,11 +105,11 @@ class System final : public Simulation {
   template <class Visit>
   void each_contact(Visit&&) const;
   double stiffest_spring(int material) const;
-
   std::vector<GrainInertia> inertias() const;
   // system_bonds.hpp
   std::vector<GrainSpring> bond_springs() const;
   StableStep with_bonds(const StableStep& without) const;
+
   Setup setup_;
   Backend backend_;
   double alpha_ = 0;                         // [1/s] artificial damping
@@ -117,8 +118,8 @@ class System final : public Simulation {
   Grains grains_;                            // spheres
   Bodies bodies_;                            // of clumps; empty without them
   std::vector<Clump> shapes_;
-  PairColumns pairs_;
   Bonds bonds_;
+  PairColumns pairs_;
   Walls walls_;
   WallColumns near_walls_;
   Vector<double> density_;
