@@ -109,6 +109,7 @@ double Sampler::grain_probe(const Probe& probe) const {
   if (probe.kind == ProbeKind::contact_force) return probe.scale * contact_force(probe);
   if (probe.kind == ProbeKind::contact_stress) return probe.scale * contact_force(probe) / probe.area;
   if (probe.kind == ProbeKind::kinetic_energy) return probe.scale * grains_->energy().kinetic;
+  if (probe.kind == ProbeKind::broken_bonds) return probe.scale * static_cast<double>(grains_->broken_bonds());
   if (!have_grains_) grain_list_ = grains_->grains();
   have_grains_ = true;
   switch (probe.kind) {

@@ -37,6 +37,7 @@ void refuse_elastic_constants(const base::Value& value, const dem::Interaction&)
 void build_stages(base::Value& root, Scene&);
 void build_bodies(base::Value& root, Scene&);
 void build_grains(base::Value& root, Scene&);
+void build_bonds(base::Value& root, Scene&);  // after the grains
 void build_probes(base::Value& root, Scene&);
 void build_results(base::Value& root, Scene&);
 
