@@ -53,25 +53,24 @@ TEST_F(Bonds, MistakesHaveTheirLine) {
   EXPECT_EQ(error_of(grains + cement + row + stage),
             "a.toml:5: grains.bond; nothing is bonded; add gap, or [[bond]] with the numbers of two grains");
   EXPECT_EQ(error_of(grains + row + "[[bond]]\nfirst = 0\nsecond = 1\n" + stage),
-            "a.toml:14: bond[0]; \"normal_stiffness\" is missing; add normal_stiffness: along the bond and against "
+            "a.toml:14: bond; \"normal_stiffness\" is missing; add normal_stiffness: along the bond and against "
             "bending, per area of the bond [Pa/m], or [grains.bond]");
   const auto with = [](const std::string& lines) { return error_of(grains + cement + row + lines + stage); };
   EXPECT_EQ(with("[[bond]]\nfirst = 0\nsecond = 3\n"),
-            "a.toml:21: bond[0].second = 3; there are 3 grains given by [[grain]]; numbers start from 0");
+            "a.toml:21: bond.second = 3; there are 3 grains given by [[grain]]; numbers start from 0");
   EXPECT_EQ(with("[[bond]]\nfirst = 1\nsecond = 1\n"),
-            "a.toml:21: bond[0].second = 1; a grain cannot be bonded to itself; name another grain");
+            "a.toml:21: bond.second = 1; a grain cannot be bonded to itself; name another grain");
   EXPECT_EQ(with("[[bond]]\nfirst = 0\nsecond = 1\n[[bond]]\nfirst = 1\nsecond = 0\n"),
-            "a.toml:22: bond[1]; these grains are bonded at a.toml:19 already; remove one of the two");
-  EXPECT_EQ(
-      with("[[bond]]\nfirst = 0\nsecond = 1\nshear_strength = \"2 MN\"\n"),
-      "a.toml:22: bond[0].shear_strength = \"2 MN\"; MN is a force, must be a pressure; write a number with a unit "
-      "such as Pa");
+            "a.toml:22: bond[2]; these grains are bonded at a.toml:19 already; remove one of the two");
+  EXPECT_EQ(with("[[bond]]\nfirst = 0\nsecond = 1\nshear_strength = \"2 MN\"\n"),
+            "a.toml:22: bond.shear_strength = \"2 MN\"; MN is a force, must be a pressure; write a number with a unit "
+            "such as Pa");
   EXPECT_EQ(
       error_of(grains + row + stage + "[[probe]]\nname = \"b\"\nkind = \"broken_bonds\"\n"),
       "a.toml:19: probe.b.kind = \"broken_bonds\"; no grains are bonded; add [grains.bond] or [[bond]], or remove "
       "the probe");
   EXPECT_EQ(error_of("[[bond]]\nfirst = 0\nsecond = 1\n" + stage + body),
-            "a.toml:1: bond[0]; there are no [grains] that it could join; add [grains], or remove it");
+            "a.toml:1: bond; there are no [grains] that it could join; add [grains], or remove it");
 }
 
 TEST_F(Bonds, PackingDoesNotKnowThem) {
