@@ -8,6 +8,7 @@ struct Energy {
   double kinetic = 0;         // [J] stored: translation and rotation
   double elastic_normal = 0;  // [J] stored in contacts, normal (DEM)
   double elastic_shear = 0;   // [J] stored in contacts, tangential (DEM)
+  double elastic_bonds = 0;   // [J] stored in bonds (DEM)
   double strain = 0;          // [J] stored in elements (FEM)
   double work_gravity = 0;    // [J] work of gravity since reset
   double work_loads = 0;      // [J] work of external loads and prescribed motion since reset (FEM)
@@ -16,11 +17,12 @@ struct Energy {
   double loss_friction = 0;   // [J] Coulomb slip and the elastic shear energy that the Mindlin rescaling gives up (DEM)
   double loss_contact_damping = 0;  // [J] contact dashpots, normal and tangential (DEM)
   double loss_rolling = 0;          // [J] rolling resistance (DEM)
+  double loss_breakage = 0;         // [J] what bonds had stored when they broke (DEM)
   double loss_damping = 0;          // [J] mass-proportional damping, of grains or of bodies
 
-  double stored() const { return kinetic + elastic_normal + elastic_shear + strain; }
+  double stored() const { return kinetic + elastic_normal + elastic_shear + elastic_bonds + strain; }
   double works() const { return work_gravity + work_loads + work_walls + work_interface; }
-  double losses() const { return loss_friction + loss_contact_damping + loss_rolling + loss_damping; }
+  double losses() const { return loss_friction + loss_contact_damping + loss_rolling + loss_breakage + loss_damping; }
 };
 
 }  // namespace base

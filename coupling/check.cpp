@@ -12,6 +12,7 @@
 
 #include "base/text.hpp"
 #include "base/version.hpp"
+#include "coupling/bonding.hpp"
 #include "coupling/model_checks.hpp"
 #include "coupling/packing_cache.hpp"
 #include "coupling/packing_region.hpp"
@@ -30,6 +31,7 @@ struct GrainEstimate {
   std::vector<dem::Grain> grains;  // a list, a cached packing, or radii alone
   std::string source;
   double packing_volume = 0;  // [m3] of the layers inside walls and cuts, outside bodies
+  bool packed = true;         // the grains are where they will be
 };
 
 /// Share of the box that no cut takes away, from a lattice of points.
@@ -68,6 +70,7 @@ GrainEstimate estimate_grains(const Setup& setup) {
   }
   dem::SieveCurve curve;
   for (const auto& row : packing.grading) curve.push_back({row.size, row.passing});
+  estimate.packed = false;
   const ShapeMix mix(packing, part.shapes);
   const auto packed = mix.grains(dem::sample_radii(curve, solid / mix.solid(), packing.seed), packing.seed);
   estimate.grains.insert(estimate.grains.end(), packed.begin(), packed.end());
@@ -76,8 +79,14 @@ GrainEstimate estimate_grains(const Setup& setup) {
   return estimate;
 }
 
-/// Stable step of the smallest grain in this material: it sets the limit, and needs no neighbours.
-dem::StableStep stable_step(const Setup& setup, const GrainEstimate& estimate, double young_modulus) {
+/// Grains whose places are known: all but those that are yet to be packed.
+std::vector<dem::Grain> placed_grains(const Setup& setup, const GrainEstimate& estimate) {
+  return estimate.packed ? estimate.grains : setup.scene.grains->list;
+}
+
+/// Stable step of the smallest grain in this material: it sets the limit, and needs no neighbours, but for bonds.
+dem::StableStep stable_step(const Setup& setup, const GrainEstimate& estimate, double young_modulus,
+                            bool with_bonds = false) {
   dem::Setup one;
   one.materials = {setup.scene.grains->materials[0]};
   one.materials[0].young_modulus = young_modulus;
@@ -89,7 +98,14 @@ dem::StableStep stable_step(const Setup& setup, const GrainEstimate& estimate, d
       [&](const auto& a, const auto& b) { return smallest_sphere(a, shapes) < smallest_sphere(b, shapes); });
   const auto simulation = dem::Simulation::create(one, dem::Backend::omp);
   add_shapes(*simulation, shapes);
-  simulation->add_grains(std::span(&*smallest, 1));
+  const auto placed = with_bonds ? placed_grains(setup, estimate) : std::vector<dem::Grain>{};
+  const auto bonds = make_bonds(setup.scene.grains->bonding, placed);
+  if (bonds.empty()) {
+    simulation->add_grains(std::span(&*smallest, 1));
+  } else {
+    simulation->add_grains(placed);
+    simulation->add_bonds(bonds);
+  }
   return simulation->stable_step();
 }
 
@@ -141,6 +157,10 @@ std::string grains_text(const Setup& setup, const GrainEstimate& estimate) {
                         return pair.rolling_friction > 0 ? pair.rolling : std::string("off");
                       }));
   if (part.packing) text += packing_text(*part.packing);
+  if (part.bonding.any())
+    text += fmt::format("  bonds: {}{}\n", make_bonds(part.bonding, placed_grains(setup, estimate)).size(),
+                        estimate.packed ? "" : ", and those of the grains to be packed, which may shorten the step");
+  if (setup.scene.time.integrator == dem::TimeScheme::symplectic_euler) text += "  integrator: symplectic Euler\n";
   text += fmt::format("  walls: {} rigid, {} deformable skins\n", part.walls.size(), part.body_material.size());
   text += fmt::format("  backend: {}, {} thread{}\n", setup.backend == dem::Backend::cuda ? "cuda" : "omp",
                       setup.threads, setup.threads > 1 ? "s" : "");
@@ -186,7 +206,7 @@ Steps choose_steps(const Setup& setup, const std::optional<GrainEstimate>& estim
   const Scene& scene = setup.scene;
   Steps steps;
   if (estimate) {
-    const auto limit = stable_step(setup, *estimate, scene.grains->materials[0].young_modulus);
+    const auto limit = stable_step(setup, *estimate, scene.grains->materials[0].young_modulus, true);
     check_step("time.dem_step", scene, scene.time.dem_step, limit.limit, limit.limiter);
     steps.dem = step_of(scene.time.dem_step, scene.time.dem_fraction, limit.limit);
     steps.text += fmt::format("  grains: stable step {:.4g} s ({}); at most {:.4g} s is used\n", limit.limit,

@@ -33,7 +33,7 @@ std::vector<std::string> history_columns(const Scene& scene) {
     columns.push_back(fmt::format("{} [{}]", probe.name, probe.unit.empty() ? "-" : probe.unit));
   for (const char* name : {"kinetic", "elastic", "strain", "work_gravity", "work_loads", "work_walls",
                            "interface_seen_by_grains", "interface_seen_by_bodies", "loss_friction",
-                           "loss_contact_damping", "loss_rolling", "loss_damping", "residual"})
+                           "loss_contact_damping", "loss_rolling", "loss_breakage", "loss_damping", "residual"})
     columns.push_back(fmt::format("energy_{} [J]", name));
   columns.push_back("momentum_error [-]");
   return columns;
@@ -41,10 +41,10 @@ std::vector<std::string> history_columns(const Scene& scene) {
 
 void append_energy(std::vector<double>& row, const Sides& sides, const Ledger& ledger) {
   const auto& [g, b] = sides;
-  row.insert(row.end(),
-             {g.kinetic + b.kinetic, g.elastic_normal + g.elastic_shear, b.strain, g.work_gravity + b.work_gravity,
-              b.work_loads, g.work_walls, g.work_interface, b.work_interface, g.loss_friction, g.loss_contact_damping,
-              g.loss_rolling, g.loss_damping + b.loss_damping, ledger.residual()});
+  row.insert(row.end(), {g.kinetic + b.kinetic, g.elastic_normal + g.elastic_shear + g.elastic_bonds, b.strain,
+                         g.work_gravity + b.work_gravity, b.work_loads, g.work_walls, g.work_interface,
+                         b.work_interface, g.loss_friction, g.loss_contact_damping, g.loss_rolling, g.loss_breakage,
+                         g.loss_damping + b.loss_damping, ledger.residual()});
 }
 
 }  // namespace

@@ -158,6 +158,7 @@ double Sampler::grain_probe(const Probe& probe) const {
   if (probe.kind == ProbeKind::contact_force) return probe.scale * contact_force(probe);
   if (probe.kind == ProbeKind::contact_stress) return probe.scale * contact_force(probe) / probe.area;
   if (probe.kind == ProbeKind::kinetic_energy) return probe.scale * grains_->energy().kinetic;
+  if (probe.kind == ProbeKind::broken_bonds) return probe.scale * static_cast<double>(grains_->broken_bonds());
   if (measures_grains(probe.kind)) return probe.scale * measure_grains(probe, copies_, scene_.grains->shapes);
   // Before the measuring has started: what is nearest now.
   if (marks_.count(probe.name) == 0) marks_[probe.name] = mark_grain(probe, copies_.grains());

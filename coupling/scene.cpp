@@ -24,6 +24,8 @@ TimeSettings read_time(const Value& table) {
   time.fem_fraction = table.at("fem_fraction").real();
   time.dem_step = chosen_step(table, "dem_step");
   time.fem_step = chosen_step(table, "fem_step");
+  time.integrator = table.at("integrator").text() == "symplectic_euler" ? dem::TimeScheme::symplectic_euler
+                                                                        : dem::TimeScheme::velocity_verlet;
   time.force_step = table.at("force_step").boolean();
   return time;
 }
@@ -47,6 +49,7 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<Override>&
   build_stages(root, scene);
   build_bodies(root, scene);
   build_grains(root, scene);
+  build_bonds(root, scene);
   if (!scene.has_grains() && !scene.has_bodies()) {
     base::fail(root, "nothing to simulate", "add [grains] or [[body]]");
   }

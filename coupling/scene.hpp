@@ -11,6 +11,7 @@
 
 #include "base/history.hpp"
 #include "base/vec3.hpp"
+#include "coupling/bonding.hpp"
 #include "coupling/grain_probe.hpp"
 #include "coupling/shapes.hpp"
 #include "dem/dem.hpp"
@@ -35,6 +36,7 @@ struct TimeSettings {
   double fem_fraction = 0.9;   // of the FEM stable-step limit (2/omega_max)
   std::optional<ChosenStep> dem_step, fem_step;
   bool force_step = false;  // run with a step above its limit (it will become unstable)
+  dem::TimeScheme integrator = dem::TimeScheme::velocity_verlet;  // of the grains, but not while packing
 };
 
 /// The step set by hand, or `fraction` of the limit.
@@ -169,9 +171,11 @@ struct GrainsScene {
   std::vector<dem::Grain> list;                // grains given one by one ([[grain]])
   std::optional<Packing> packing;
   std::vector<WallScene> walls;
-  double neighbour_skin = 0;                 // [m] 0: automatic
-  double maximum_overlap = 0.3;              // overlap / smaller radius above which a run is declared unstable
-  bool rotations = true;                     // grains may turn
+  double neighbour_skin = 0;     // [m] 0: automatic
+  double maximum_overlap = 0.3;  // overlap / smaller radius above which a run is declared unstable
+  bool rotations = true;         // grains may turn
+  dem::kernels::RotationScheme rotation_scheme = dem::kernels::RotationScheme::quaternion;  // of clumps
+  Bonding bonding;
   std::map<std::string, int> body_material;  // contact material of each deformable body's skin
 };
 
@@ -194,6 +198,7 @@ enum class ProbeKind {
   passing,             // of the grains, through a sieve
   grain_displacement,  // of one grain, component
   kinetic_energy,      // of all grains
+  broken_bonds,        // number of them since the start
   grain_position,
   grain_velocity,
   grain_angular_velocity,  // of one grain (id), component

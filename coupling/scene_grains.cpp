@@ -251,6 +251,9 @@ void build_grains(Value& root, Scene& scene) {
   grains.neighbour_skin = table.at("neighbour_skin").real();
   grains.maximum_overlap = table.at("maximum_overlap").real();
   grains.rotations = table.at("rotations").boolean();
+  const std::string& scheme = table.at("rotation_scheme").text();
+  if (scheme == "runge_kutta") grains.rotation_scheme = dem::kernels::RotationScheme::runge_kutta;
+  if (scheme == "direct") grains.rotation_scheme = dem::kernels::RotationScheme::direct;
   read_shapes(table, grains);
   for (auto& row : singles) {
     dem::Grain grain = read_grain(row, table, grains);

@@ -61,6 +61,8 @@ std::string packing_hash(const Value& root, const Scene& scene) {
   grains.at("material").table().erase("young_modulus");  // only the packing's own counts
   grains.table().erase("friction");
   grains.table().erase("rolling_friction");
+  grains.table().erase("bond");             // made afterwards
+  grains.table().erase("rotation_scheme");  // the packing takes its own, so that runs with any start from one bed
   for (auto& shape : grains.at("shape").list()) {
     print.add(file_text(shape.at("file").text()));
     shape.table().erase("file");
@@ -69,6 +71,7 @@ std::string packing_hash(const Value& root, const Scene& scene) {
   Value time = root.at("time");  // the grains' step changes how they fall
   time.table().erase("fem_fraction");
   time.table().erase("fem_step");
+  time.table().erase("integrator");  // likewise
   print.add(base::to_toml(time, time_table()));
   Value packing = root.at("packing");
   packing.table().erase("cache");

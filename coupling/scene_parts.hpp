@@ -53,6 +53,7 @@ void read_wall_motion(const base::Value& row, const Scene&, WallScene&);
 void build_stages(base::Value& root, Scene&);
 void build_bodies(base::Value& root, Scene&);
 void build_grains(base::Value& root, Scene&);
+void build_bonds(base::Value& root, Scene&);  // after the grains
 void build_probes(base::Value& root, Scene&);
 void build_results(base::Value& root, Scene&);
 

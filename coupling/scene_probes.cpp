@@ -118,6 +118,8 @@ Probe read_probe(const Value& row, const Scene& scene) {
   if (combined) read_combination(row, scene, probe);
   const bool of_grains = where != ProbeRow::body_motion && where != ProbeRow::load && !combined;
   if (of_grains && !scene.has_grains()) fail(row.at("kind"), "there are no grains to measure", "remove the probe");
+  if (probe.kind == ProbeKind::broken_bonds && !scene.grains->bonding.any())
+    fail(row.at("kind"), "no grains are bonded", "add [grains.bond] or [[bond]], or remove the probe");
   if (where == ProbeRow::body_motion) require_one(row, "group", "point");
   if (where == ProbeRow::contact || where == ProbeRow::contact_area) require_one(row, "body", "wall");
   if (const Value* body = row.find("body")) {

@@ -71,6 +71,9 @@ const Table& time_table() {
        base::real("fem_step", "s", "longest step of the bodies, instead of fem_fraction")
            .above(0)
            .optional("from fem_fraction"),
+       base::text("integrator", "of the grains; symplectic_euler is of first order. Packings take velocity_verlet")
+           .among({"velocity_verlet", "symplectic_euler"})
+           .otherwise("velocity_verlet"),
        base::boolean("force_step", "run even with a step above its limit; it will become unstable").otherwise(false)}};
   return table;
 }
@@ -100,7 +103,11 @@ const Table& grains_table() {
       joined(
           {base::table("material", grain_material_table(), "of the grains"),
            base::tables("shape", shape_table(), "shapes that grains may have").otherwise_empty(),
+           base::table("bond", bonds_table(), "cement between grains").optional("no bonds, or only [[bond]]"),
            base::boolean("rotations", "grains may turn").otherwise(true),
+           base::text("rotation_scheme", "how clumps turn (Irazabal2017 5.3.1). Packings take quaternion")
+               .among({"quaternion", "runge_kutta", "direct"})
+               .otherwise("quaternion"),
            base::real("neighbour_skin", "m", "margin of the neighbour list; 0: chosen").at_least(0).otherwise(0.0),
            base::real("maximum_overlap", "", "overlap over the smaller radius above which a run is declared unstable")
                .above(0)
@@ -305,6 +312,7 @@ const std::vector<ProbeRow>& probe_rows() {
       {"passing", "", "mass share of the grains that passes a sieve", ProbeRow::sieve},
       {"grain_displacement", "m", "of one grain since the measuring started", ProbeRow::grain},
       {"kinetic_energy", "J", "of all grains", ProbeRow::none},
+      {"broken_bonds", "", "number of bonds that have broken since the start", ProbeRow::none},
       {"grain_position", "m", "centre of one grain", ProbeRow::grain},
       {"grain_velocity", "m/s", "velocity of one grain", ProbeRow::grain},
       {"grain_angular_velocity", "rad/s", "angular velocity of one grain", ProbeRow::grain},
@@ -429,6 +437,7 @@ const Table& scene_table() {
                             base::table("time", time_table(), "steps").otherwise_empty(),
                             base::table("grains", grains_table(), "what all grains share").optional("no DEM"),
                             base::tables("grain", grain_table(), "grains one by one").otherwise_empty(),
+                            base::tables("bond", bond_table(), "bonds one by one").otherwise_empty(),
                             base::table("packing", packing_table(), "how the bed is made").optional("only [[grain]]"),
                             base::tables("wall", wall_table(), "rigid walls").otherwise_empty(),
                             base::tables("body", body_table(), "deformable bodies").otherwise_empty(),

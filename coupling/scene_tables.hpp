@@ -12,6 +12,8 @@ const base::Table& grains_table();
 const base::Table& grain_material_table();
 const base::Table& shape_table();
 const base::Table& grain_table();
+const base::Table& bonds_table();  // scene_bonds.cpp
+const base::Table& bond_table();   // scene_bonds.cpp
 const base::Table& wall_table();
 const base::Table& wall_material_table();
 const base::Table& packing_table();

@@ -124,10 +124,13 @@ void Setup::place_grains(Summary& summary) {
     dem_setup.gravity = scene.gravity;
     dem_setup.skin = part.neighbour_skin;
     dem_setup.rotations = part.rotations;
+    dem_setup.rotation_scheme = part.rotation_scheme;
+    dem_setup.time_scheme = scene.time.integrator;
     dem_setup.maximum_overlap = part.maximum_overlap;
     grains = dem::Simulation::create(dem_setup, backend);
     add_shapes(*grains, part.shapes);
     grains->add_grains(list);
+    grains->add_bonds(make_bonds(part.bonding, list));
     add_walls();
     dem_limit = grains->stable_step();
     check_step("time.dem_step", scene, scene.time.dem_step, dem_limit.limit, dem_limit.limiter);

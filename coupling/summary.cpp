@@ -23,6 +23,7 @@ Json energy_json(const Ledger& ledger) {
   json["kinetic"] = number(grains.kinetic + bodies.kinetic);
   json["elastic_normal"] = number(grains.elastic_normal);
   json["elastic_shear"] = number(grains.elastic_shear);
+  json["elastic_bonds"] = number(grains.elastic_bonds);
   json["strain"] = number(bodies.strain);
   json["work_gravity"] = number(grains.work_gravity + bodies.work_gravity);
   json["work_loads"] = number(bodies.work_loads);
@@ -32,6 +33,7 @@ Json energy_json(const Ledger& ledger) {
   json["loss_friction"] = number(grains.loss_friction);
   json["loss_contact_damping"] = number(grains.loss_contact_damping);
   json["loss_rolling"] = number(grains.loss_rolling);
+  json["loss_breakage"] = number(grains.loss_breakage);
   json["loss_damping"] = number(grains.loss_damping + bodies.loss_damping);
   json["residual"] = number(ledger.residual());
   json["external_work"] = number(ledger.external_work());

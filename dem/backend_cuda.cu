@@ -5,6 +5,7 @@
 #include "dem/backends.hpp"
 #include "dem/core/system_advance.hpp"
 #include "dem/core/system_bodies.hpp"
+#include "dem/core/system_bonds.hpp"
 #include "dem/core/system_growth.hpp"
 #include "dem/core/system_measure.hpp"
 #include "dem/core/system_setup.hpp"

@@ -14,6 +14,7 @@
 #include "base/energy.hpp"
 #include "base/skin.hpp"
 #include "base/vec3.hpp"
+#include "dem/bond.hpp"
 #include "dem/clump.hpp"
 
 namespace dem {
@@ -93,6 +94,10 @@ struct WallBodyState {
   Vec3 contact_force, contact_torque;       // [N], [N m] of the grains on the wall, about the centre
 };
 
+/// How positions and velocities advance (Irazabal2017 3.3): velocity Verlet (3.44-3.53), second order; or symplectic
+/// Euler (3.36-3.39), first order: v += dt a(x_n, v_n), x += dt v. Walls that are bodies keep velocity Verlet.
+enum class TimeScheme { velocity_verlet, symplectic_euler };
+
 struct Setup {
   std::vector<Material> materials;
   std::vector<Interaction> interactions;  // row-major materials × materials, symmetric
@@ -101,6 +106,7 @@ struct Setup {
   double maximum_overlap = 0.3;           // overlap / smaller radius above which the run is declared unstable
   bool track_energy = true;               // false: no ledger, no memory and no work for it
   bool rotations = true;
+  TimeScheme time_scheme = TimeScheme::velocity_verlet;
   kernels::RotationScheme rotation_scheme = kernels::RotationScheme::quaternion;  // of clumps
   int lanes = 0;  // OMP: pairs taken at once, 2 or 4; 1: one by one, as on a GPU; 0: what suits this machine
 };
@@ -159,6 +165,14 @@ class Simulation {
   /// Artificial damping force -alpha m v and torque -alpha I omega on every grain, for relaxation. 0: off.
   virtual void set_grain_damping(double alpha) = 0;
 
+  // ---- bonds
+  /// Bonds grains as they lie now. A bond goes with its grains. Throws base::UserError: a grain that does not exist or
+  /// is a clump, a pair that is bonded already, a constant out of range.
+  virtual void add_bonds(std::span<const Bond>) = 0;
+  /// Host copy in the order of adding; broken ones too, but not those whose grains are gone.
+  virtual std::vector<BondNow> bonds() const = 0;
+  virtual std::int64_t broken_bonds() const = 0;
+
   // ---- walls; every call returns the wall's number
   virtual int add_plane(const Plane&, int material) = 0;
   /// Rigid or deforming surface. two_sided: grains may touch it from either side (the normal is set towards the grain).
@@ -186,12 +200,12 @@ class Simulation {
   virtual Vec3 wall_impulse_on_grains(int wall) const = 0;
 
   // ---- time
-  /// n velocity-Verlet steps of dt. Throws base::UnstableError (cause, grain id, place, step) when a state is not
+  /// n steps of dt. Throws base::UnstableError (cause, grain id, place, step) when a state is not
   /// finite or an overlap exceeds Setup::maximum_overlap.
   virtual void advance(int n, double dt) = 0;
   virtual double time() const = 0;
   /// Over the present grains and materials: the Rayleigh limit; where a material meets linear springs 2 / omega with
-  /// omega^2 = 8 k / m (four contacts in one direction, partners moving against them).
+  /// omega^2 = 8 k / m (four contacts in one direction, partners moving against them). Bonds add their own omega^2.
   virtual StableStep stable_step() const = 0;
   /// 2/omega_max bound from the live contacts (normal and shear stiffness, damping, grain and wall-node free side).
   virtual StableStep contact_stable_step() const = 0;

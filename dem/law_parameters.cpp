@@ -218,10 +218,6 @@ void check_parameters(const kernels::PairParameters& p) {
                  {"hysteretic_damping", p.hysteretic_damping},
                  {"dissipative_coefficient", p.dissipative_coefficient},
                  {"critical_stress", p.critical_stress},
-                 {"bond_normal_stiffness", p.bond_normal_stiffness},
-                 {"bond_shear_stiffness", p.bond_shear_stiffness},
-                 {"bond_tensile_strength", p.bond_tensile_strength},
-                 {"bond_shear_strength", p.bond_shear_strength},
                  {"rolling_stiffness", p.rolling_stiffness},
                  {"rolling_damping", p.rolling_damping}};
   for (const auto& number : numbers) require(not_negative(number.value), number.name, number.value, ">= 0 and finite");

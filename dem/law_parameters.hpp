@@ -15,7 +15,7 @@ kernels::PairParameters hertz_pair(const Material& a, const Material& b, const I
 /// A grain and a wall: wall_parameters().
 kernels::PairParameters hertz_wall(const Material& grain, const Material& wall, const Interaction&);
 
-// ---- linear springs: linear, parallel_bond
+// ---- linear springs: linear
 struct LinearContact {
   double normal_stiffness = 0;  // [N/m] > 0
   double shear_stiffness = 0;   // [N/m] >= 0

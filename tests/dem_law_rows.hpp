@@ -105,16 +105,7 @@ struct VoigtRow : LinearRow {
   }
 };
 
-struct UnbondedRow : LinearRow {  // a pair that only touches; bonds: dem_law_details.cpp
-  using Law = ParallelBond;
-  static PairParameters parameters(const Asked& a) {
-    PairParameters pair = LinearRow::parameters(a);
-    pair.bond_normal_stiffness = pair.bond_shear_stiffness = 1e10;
-    return pair;
-  }
-};
-
 using Rows = testing::Types<HertzRow, StressFrictionRow, HystereticRow<0>, HystereticRow<1>, HystereticRow<2>,
-                            ViscoelasticRow, LinearRow, DampedLinearRow, VoigtRow, UnbondedRow>;
+                            ViscoelasticRow, LinearRow, DampedLinearRow, VoigtRow>;
 
 }  // namespace dem_test::law_rows

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "dem/kernels/parallel_bond.hpp"
 #include "dem/laws.hpp"
 
 namespace dem_test {
@@ -29,15 +28,12 @@ inline Vec3 rotated(const Vec3& v, const Vec3& axis, double angle) {
   return std::cos(angle) * v + std::sin(angle) * cross(axis, v) + (1 - std::cos(angle)) * dot(axis, v) * axis;
 }
 
-/// Reaction of any law, bonding or not, to pairs that do not turn. Packs are passed by reference: their place in
-/// registers depends on the processor that the compiler works for.
+/// Reaction of any law. Packs are passed by reference: their place in registers depends on the processor that the
+/// compiler works for.
 template <class Law, bool Ledger, class Real>
 void press(const PairParameters& pair, const Touch<Real>& touch, const Interval& time, Real* history,
            Reaction<Real>& result) {
-  if constexpr (dem::Bonding<Law>)
-    result = Law::template press<Ledger>(pair, touch, Turning<Real>{}, time, history).reaction;
-  else
-    result = Law::template press<Ledger>(pair, touch, time, history);
+  result = Law::template press<Ledger>(pair, touch, time, history);
 }
 
 template <class Law>
@@ -47,13 +43,12 @@ struct Pair {
   std::array<double, Law::history + 1> history{};
 
   Reaction<double> reaction{};
-  Moment<double> bond{};
   Vec3 torque_i{}, torque_j{};
-  double loss_friction = 0, loss_damping = 0, loss_bond = 0;  // [J] so far
+  double loss_friction = 0, loss_damping = 0;  // [J] so far
 
   bool on_plane() const { return j.mass == 0; }
-  double stored() const { return reaction.elastic_normal + reaction.elastic_shear + bond.elastic; }
-  double energy() const { return i.kinetic() + j.kinetic() + stored() + loss_friction + loss_damping + loss_bond; }
+  double stored() const { return reaction.elastic_normal + reaction.elastic_shear; }
+  double energy() const { return i.kinetic() + j.kinetic() + stored() + loss_friction + loss_damping; }
 
   /// The law at this instant, with the velocities that it sees.
   void meet(const Body& a, const Body& b, const Interval& time) {
@@ -68,19 +63,11 @@ struct Pair {
     const Vec3 arm_j = (b.radius - 0.5 * touch.overlap) * touch.normal;
     touch.velocity = a.velocity + cross(a.spin, arm_i);
     if (!on_plane()) touch.velocity -= b.velocity + cross(b.spin, arm_j);
-    if constexpr (dem::Bonding<Law>) {
-      const Turning<double> turning{a.spin - b.spin, 0.5 * dot(a.spin + b.spin, touch.normal)};
-      const auto answer = Law::template press<true>(parameters, touch, turning, time, history.data());
-      reaction = answer.reaction;
-      bond = answer.bond;
-    } else {
-      reaction = Law::template press<true>(parameters, touch, time, history.data());
-    }
-    torque_i = cross(arm_i, reaction.force) + bond.moment;
-    torque_j = -cross(arm_j, reaction.force) - bond.moment;
+    reaction = Law::template press<true>(parameters, touch, time, history.data());
+    torque_i = cross(arm_i, reaction.force);
+    torque_j = -cross(arm_j, reaction.force);
     loss_friction += reaction.loss_friction;
     loss_damping += reaction.loss_damping;
-    loss_bond += bond.loss;
   }
 
   void step(double dt) {

@@ -142,16 +142,16 @@ struct LeapBodies {
       integrator.pull.rotation(b).vector = p.torque;
       return 0;
     }
-    const double half = 0.5 * integrator.dt;
-    t.vector += half * p.force;
-    const Vec3 moved = centre + integrator.dt * t.vector;
+    const double dt = integrator.dt, first = integrator.kick(), last = integrator.at_end * dt;
+    t.vector += first * p.force;
+    const Vec3 moved = centre + dt * t.vector;
     integrator.place[b].position = moved;
-    Scheme::begin_step(turning, inertia[b], p.torque, integrator.dt);
+    Scheme::begin_step(turning, inertia[b], (Scheme::halves ? 2 * first / dt : 1) * p.torque, dt);
     orientation[b] = turning.orientation;
     r.vector = turning.angular_velocity;
     kernels::RigidRotation seen = turning;
-    Scheme::finish_step(seen, inertia[b], p.torque, integrator.dt);
-    carry(b, moved, turning.orientation, t.vector + half * p.force, seen.angular_velocity);
+    Scheme::finish_step(seen, inertia[b], (2 * integrator.at_end) * p.torque, dt);
+    carry(b, moved, turning.orientation, t.vector + last * p.force, seen.angular_velocity);
     bool finite = norm2(r.vector) < 1e200;
     double squared = 0;
     for (int s = carry.start[b]; s < carry.start[b + 1]; ++s) {
@@ -168,7 +168,8 @@ struct LeapBodies {
 
   /// As Integrator::end_step; leaves the acceleration and the torque (damping and rolling included) in `p`.
   TRACKBED_HD void end_step(int b, Quad& t, kernels::RigidRotation& r, Pull& p) const {
-    const double ended = phase.ended, half = 0.5 * ended, alpha = integrator.alpha, hold = 1 / (1 + alpha * half);
+    const double ended = phase.ended, half = integrator.at_end * ended;
+    const double alpha = integrator.alpha, hold = 1 / (1 + alpha * half);
     const Vec3 free = t.number * p.force + integrator.gravity;
     t.vector = hold * (t.vector + half * free);
     p.force = free - alpha * t.vector;
@@ -177,7 +178,7 @@ struct LeapBodies {
       braking = kernels::bounded_rolling_torque(angular_momentum(r, inertia[b]), p.torque, p.rolling, integrator.dt);
       p.torque += braking;
     }
-    if (ended > 0) Scheme::finish_step(r, inertia[b], p.torque, ended);
+    if (ended > 0) Scheme::finish_step(r, inertia[b], (2 * integrator.at_end) * p.torque, ended);
     r.angular_velocity *= hold;
     if (alpha > 0) p.torque -= alpha * angular_momentum(r, inertia[b]);
     if (!integrator.ledger) return;

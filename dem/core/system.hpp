@@ -3,7 +3,9 @@
 #include <optional>
 #include <string>
 
+#include "dem/contact_step.hpp"
 #include "dem/core/bodies.hpp"
+#include "dem/core/bonds.hpp"
 #include "dem/core/leapfrog.hpp"
 #include "dem/core/ledger.hpp"
 #include "dem/core/pairs.hpp"
@@ -30,6 +32,10 @@ class System final : public Simulation {
   void set_interaction(int a, int b, const Interaction&) override;
   void set_gravity(Vec3) override;
   void set_grain_damping(double alpha) override;
+
+  void add_bonds(std::span<const Bond>) override;
+  std::vector<BondNow> bonds() const override;
+  std::int64_t broken_bonds() const override { return bonds_.broken(); }
 
   int add_plane(const Plane&, int material) override;
   int add_mesh(const base::Skin&, int material, bool two_sided) override;
@@ -88,6 +94,7 @@ class System final : public Simulation {
   void finish_walls(double dt);
   PairSearch sort(const CellGrid&, Vector<int>& bucket, Vector<int>& bucket_start);
   bool sweeps() const;
+  kernels::Interval interval(double dt) const;
   ContactNumbers numbers_of(const kernels::PairParameters&) const;
   int history_stride() const { return numbers_of({}).total; }
 #if !defined(TRACKBED_DEM_CUDA)
@@ -103,6 +110,10 @@ class System final : public Simulation {
   template <class Visit>
   void each_contact(Visit&&) const;
   double stiffest_spring(int material) const;
+  std::vector<GrainInertia> inertias() const;
+  // system_bonds.hpp
+  std::vector<GrainSpring> bond_springs() const;
+  StableStep with_bonds(const StableStep& without) const;
 
   Setup setup_;
   Backend backend_;
@@ -112,6 +123,7 @@ class System final : public Simulation {
   Grains grains_;                            // spheres
   Bodies bodies_;                            // of clumps; empty without them
   std::vector<Clump> shapes_;
+  Bonds bonds_;
   PairColumns pairs_;
   Walls walls_;
   WallColumns near_walls_;

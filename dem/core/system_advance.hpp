@@ -21,13 +21,18 @@ inline void System::advance(int n, double dt) {
     ++steps_;
     if (!(squared < HUGE_VAL)) stop_unstable(0, k * dt);
     relist(std::sqrt(squared), static_cast<double>(k) / n);
-    evaluate({0.5 * dt, 0.5 * dt}, dt);
+    evaluate(interval(dt), dt);
     const int trouble = first_of(trouble_);
     if (trouble) stop_unstable(trouble, k * dt);
     if (walls_.bodies()) finish_walls(dt);
   }
   if (n > 0) leap({.ends = true, .ended = dt, .begins = false}, dt);
   time_ += n * dt;
+}
+
+inline kernels::Interval System::interval(double dt) const {
+  if (setup_.time_scheme == TimeScheme::symplectic_euler) return {.before = dt, .ahead = 0, .ended = dt};
+  return {.before = 0.5 * dt, .ahead = 0.5 * dt};
 }
 
 /// Brings lists, masses and forces up to date after changes between steps.
@@ -42,7 +47,7 @@ inline void System::prepare(double dt) {
   if (forces_are_stale_) {
     // The histories are half a step ahead: taken back to this instant, and ahead again for the step to come.
     clear(grains_.pull);
-    evaluate({-last_ahead_, 0.5 * dt}, 0);
+    evaluate({-last_ahead_, interval(dt).ahead}, 0);
     const int trouble = first_of(trouble_);
     if (trouble) stop_unstable(trouble, 0);
     if (walls_.bodies()) feel_walls();
@@ -123,6 +128,7 @@ inline void System::rebuild(double share) {
     const CellGrid grid = make_grid(box, 2 * radii_.largest + skin_, n);
     Vector<int> bucket, bucket_start;
     const PairSearch search = sort(grid, bucket, bucket_start);
+    if (bonds_.any()) bonds_.find(grains_);
     const int materials = static_cast<int>(setup_.materials.size());
     const int history = history_stride();
     tight_ = skin_;
@@ -213,6 +219,9 @@ void System::with_scene_law(const Visit& visit) const {
 /// Forces at the present positions, added to grains_.pull or left with the pairs; the step that ends took `ended`.
 inline void System::evaluate(const kernels::Interval& time, double ended) {
   press_pairs(time);
+  if (bonds_.any())
+    bonds_.press(grains_, bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(),
+                 bodies_.of_sphere, ended);
   with_scene_law([&]<class Law>() { press_walls<Law>(time, ended); });
   last_ahead_ = time.ahead;
 }
@@ -296,6 +305,7 @@ void System::press_walls(const kernels::Interval& time, double ended) {
 
 /// One pass of the integrator; returns the largest squared displacement since the list was made.
 inline double System::leap(const Phase& phase, double dt) {
+  const bool verlet = setup_.time_scheme == TimeScheme::velocity_verlet;
   const Integrator integrator{.place = pointer(grains_.place),
                               .state = grains_.states(),
                               .motion = grains_.motions(),
@@ -306,7 +316,9 @@ inline double System::leap(const Phase& phase, double dt) {
                               .gravity = setup_.gravity,
                               .alpha = alpha_,
                               .rolling = brakes_,
-                              .dt = dt};
+                              .dt = dt,
+                              .at_start = verlet ? 0.5 : 1,
+                              .at_end = verlet ? 0.5 : 0};
   const Vec3* listed = pointer(grains_.listed);
   const int n = grains_.size();
 #if !defined(TRACKBED_DEM_CUDA)

@@ -73,6 +73,11 @@ inline base::Energy System::pending() const {
   e.work_interface = walls.value[6];
   e.loss_rolling = grains.value[0] + pairs.value[4] + walls.value[4];
   e.loss_damping = grains.value[1];
+  if (bonds_.any()) {
+    const auto bonds = bonds_.energies();
+    e.elastic_bonds = bonds.value[0];
+    e.loss_breakage = bonds.value[1];
+  }
   for (const HostWall& wall : walls_.walls) {
     if (!wall.body) continue;
     e.kinetic += wall.body->kinetic();
@@ -91,6 +96,7 @@ inline void System::flush_losses() {
   totals_.loss_contact_damping += e.loss_contact_damping;
   totals_.loss_rolling += e.loss_rolling;
   totals_.loss_damping += e.loss_damping;
+  totals_.loss_breakage += e.loss_breakage;
   totals_.work_walls += e.work_walls;
   totals_.work_interface += e.work_interface;
   totals_.work_loads += e.work_loads;
@@ -101,6 +107,7 @@ inline void System::flush_losses() {
   launch(static_cast<int>(pairs_.ledger.size()), ClearPairLosses{pointer(pairs_.ledger)});
   launch(static_cast<int>(near_walls_.ledger.size()), ClearWallLosses{pointer(near_walls_.ledger)});
   clear(grains_.ledger);
+  bonds_.clear_losses();
 }
 
 inline base::Energy System::energy() const {
@@ -109,10 +116,12 @@ inline base::Energy System::energy() const {
   const base::Energy p = pending();
   e.elastic_normal = p.elastic_normal;
   e.elastic_shear = p.elastic_shear;
+  e.elastic_bonds = p.elastic_bonds;
   e.loss_friction += p.loss_friction;
   e.loss_contact_damping += p.loss_contact_damping;
   e.loss_rolling += p.loss_rolling;
   e.loss_damping += p.loss_damping;
+  e.loss_breakage += p.loss_breakage;
   e.work_walls += p.work_walls;
   e.work_interface += p.work_interface;
   e.work_loads += p.work_loads;
@@ -246,7 +255,7 @@ inline Counts System::counts() const {
       reduce(near_walls_.size(), CountWallContacts{pointer(near_walls_.state)}, 0, thrust::plus<int>());
   counts.rebuilds = rebuilds_;
   counts.steps = steps_;
-  counts.bytes = grains_.bytes() + bodies_.bytes() + list_bytes + walls_.bytes() + near_walls_.bytes();
+  counts.bytes = grains_.bytes() + bodies_.bytes() + list_bytes + walls_.bytes() + near_walls_.bytes() + bonds_.bytes();
   return counts;
 }
 
@@ -294,7 +303,7 @@ inline StableStep System::stable_step() const {
                 static_cast<long long>(ids[limiter]), 1e3 * place[limiter].radius,
                 setup_.materials[material[limiter]].name.c_str());
   step.limiter = text;
-  return step;
+  return with_bonds(step);
 }
 
 inline GrainSpring spring_of(const kernels::PairParameters& pair, double radius, double mass, double overlap) {
@@ -316,40 +325,51 @@ inline GrainSpring spring_of(const kernels::PairParameters& pair, double radius,
   return s;
 }
 
+/// Of grains, or of bodies where there are any.
+inline std::vector<GrainInertia> System::inertias() const {
+  const auto place = download(grains_.place);
+  const auto motion = download(grains_.motion);
+  const Rows<const Quad> motions{motion.data(), grains_.parts};
+  const auto ids = download(grains_.id);
+  std::vector<GrainInertia> all;
+  const auto body_of_sphere = download(bodies_.of_sphere);
+  const auto moments = download(bodies_.inertia);
+  const auto body_ids = download(bodies_.id);
+  const bool clumps = bodies_.any();
+  for (int b = 0; b < bodies_.size(); ++b)
+    all.push_back({0, std::fmin(moments[b].x, std::fmin(moments[b].y, moments[b].z)), body_ids[b]});
+  for (int g = 0; g < grains_.size(); ++g) {
+    const double mass = motions.translation(g).number, r = place[g].radius;
+    if (clumps)
+      all[body_of_sphere[g]].mass = mass;
+    else
+      all.push_back({mass, setup_.rotations ? 0.4 * mass * r * r : 0, ids[g]});
+  }
+  return all;
+}
+
 inline StableStep System::contact_stable_step() const {
   const auto place = download(grains_.place);
   const auto motion = download(grains_.motion);
   const Rows<const Quad> motions{motion.data(), grains_.parts};
   const auto material = download(grains_.material);
-  const auto ids = download(grains_.id);
   const int materials = static_cast<int>(setup_.materials.size());
-  std::vector<GrainInertia> inertias;
   const auto body_of_sphere = download(bodies_.of_sphere);
   const auto centres = download(bodies_.place);
-  const auto moments = download(bodies_.inertia);
-  const auto body_ids = download(bodies_.id);
   const bool clumps = bodies_.any();
-  for (int b = 0; b < bodies_.size(); ++b)
-    inertias.push_back({0, std::fmin(moments[b].x, std::fmin(moments[b].y, moments[b].z)), body_ids[b]});
-  for (int g = 0; g < grains_.size(); ++g) {
-    const double mass = motions.translation(g).number, r = place[g].radius;
-    if (clumps)
-      inertias[body_of_sphere[g]].mass = mass;
-    else
-      inertias.push_back({mass, setup_.rotations ? 0.4 * mass * r * r : 0, ids[g]});
-  }
+  std::vector<GrainInertia> masses = inertias();
   std::vector<int> body_of_wall(walls_.walls.size(), -1);  // walls that are bodies follow the grains
   for (std::size_t w = 0; w < walls_.walls.size(); ++w) {
     if (!walls_.walls[w].body) continue;
-    body_of_wall[w] = static_cast<int>(inertias.size());
-    inertias.push_back({walls_.walls[w].body->is.mass, walls_.walls[w].body->least_moment(), -1});
+    body_of_wall[w] = static_cast<int>(masses.size());
+    masses.push_back({walls_.walls[w].body->is.mass, walls_.walls[w].body->least_moment(), -1});
   }
   const auto attach = [&](GrainSpring& s, int sphere, const Vec3& from_sphere) {
     s.grain = clumps ? body_of_sphere[sphere] : sphere;
     s.lever = from_sphere;
     if (clumps) s.lever += place[sphere].position - centres[s.grain].position;
   };
-  std::vector<GrainSpring> springs;
+  std::vector<GrainSpring> springs = bond_springs();
   each_contact([&](int i, int j, const Meeting& m, const kernels::PairParameters& parameters, const Vec3&) {
     auto s = spring_of(parameters, m.touch.effective_radius, m.touch.effective_mass, m.touch.overlap);
     s.normal = m.touch.normal;
@@ -379,7 +399,7 @@ inline StableStep System::contact_stable_step() const {
           place[g].position - (place[g].radius - state[c].overlap) * s.normal - walls_.walls[wall].body->state.centre;
       springs.push_back(s);
     }
-  return contact_step(inertias, springs);
+  return contact_step(masses, springs);
 }
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -7,11 +7,11 @@
 // Where we differ: the gap before the step is not kept. g_s(last) - g_s is what the approach speed covers in the step,
 // the same to second order. A pair that has not come that far was in contact all the time (a run starts overlapped).
 //
-// Shear: shear.hpp moves the spring by half the step that ends, right on average over the places of the touch within
-// the step. shear_onset() sets the spring of a new contact so that after that half it has taken exactly its part.
-// Dashpots that jump to c v at the touch (linear ones): velocity Verlet counts the first force for a whole step, half
-// before and half after it, whereas the contact had only part of the half before. Onset::weight makes the impulse
-// right; without it the restitution is off by half a step's damping, depending on the place of the touch.
+// Shear: shear.hpp moves the spring by half the step that ends (velocity Verlet), right on average over the places of
+// the touch within the step. shear_onset() sets the spring of a new contact so that after that half it has taken
+// exactly its part. Dashpots that jump to c v at the touch (linear ones): velocity Verlet counts the first force for a
+// whole step, half before and half after it, whereas the contact had only part of the half before. Onset::weight makes
+// the impulse right; without it the restitution is off by half a step's damping, depending on the place of the touch.
 #include "dem/kernels/normal_force.hpp"
 
 namespace dem::kernels {
@@ -24,7 +24,7 @@ struct Onset {
 
 template <class Real>
 TRACKBED_HD TRACKBED_LANES Onset<Real> onset(const Touch<Real>& touch, Real separation, const Interval& time) {
-  const Real one = all<Real>(1), travel = all<Real>(-2 * time.before) * separation;
+  const Real one = all<Real>(1), travel = all<Real>(-time.ended) * separation;
   const auto forms = both(touch.overlap > Real{}, travel > touch.overlap);
   const Real part = choose(forms, touch.overlap, one) / choose(forms, travel, one);
   return {part, choose(forms, part + all<Real>(0.5), one)};
@@ -35,8 +35,8 @@ template <class Real>
 TRACKBED_HD TRACKBED_LANES void shear_onset(const NormalForce<Real>& normal, const Touch<Real>& touch,
                                             const Onset<Real>& onset, const Interval& time, Real* history) {
   const auto is_new = both(touch.overlap > Real{}, history[3] == Real{});
-  const Real beyond_half = (onset.part + onset.part - all<Real>(1)) * all<Real>(time.before);
-  const Real loaded = choose(is_new, normal.shear_stiffness * beyond_half, Real{});
+  const Real missing = onset.part * all<Real>(time.ended) - all<Real>(time.before);
+  const Real loaded = choose(is_new, normal.shear_stiffness * missing, Real{});
   const Vector3<Real> velocity = touch.velocity - normal.separation * touch.normal;
   history[0] -= loaded * velocity.x;
   history[1] -= loaded * velocity.y;

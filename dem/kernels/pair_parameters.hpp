@@ -17,7 +17,7 @@ struct PairParameters {
   // Friction
   double friction = 0;          // [-] mu
   double rolling_friction = 0;  // [-] eta_r
-  // Linear springs: linear, Voigt with slider, the contact under a parallel bond
+  // Linear springs: linear, Voigt with slider
   double normal_stiffness = 0;  // [N/m] k_n
   double shear_stiffness = 0;   // [N/m] k_s
   // Dashpots of the Voigt law
@@ -30,11 +30,6 @@ struct PairParameters {
   // Stress-dependent friction: Irazabal2017 6.4, 6.6
   double critical_stress = 0;    // [Pa] sigma_cmax; only that law reads it
   double friction_exponent = 0;  // [-] gamma of 6.6, <= 0
-  // Parallel bond
-  double bond_normal_stiffness = 0;  // [Pa/m] per area of the bond
-  double bond_shear_stiffness = 0;   // [Pa/m]
-  double bond_tensile_strength = 0;  // [Pa]
-  double bond_shear_strength = 0;    // [Pa]
   // Rolling of type C (rolling_models.hpp)
   double rolling_stiffness = 0;  // [-] k_r / (k_t R*^2)
   double rolling_damping = 0;    // [-] share of the critical damping

@@ -1,6 +1,6 @@
 #pragma once
-// Linear parallel bond: a disc of cement of radius R_b between two grains, beside a linear contact (linear.hpp), until
-// it breaks.
+// Linear parallel bond: a disc of cement of radius R_b between two grains, beside whatever contact law they touch by,
+// until it breaks.
 //
 //   A = pi R_b^2,  I = pi R_b^4 / 4,  J = 2 I
 //   N = k_n A (overlap - overlap at bonding)            > 0 compressed
@@ -9,150 +9,136 @@
 // Source: Potyondy, Cundall 2004 (doi:10.1016/j.ijrmms.2004.09.011), section 2.2: the bond of the parallel-bond
 // simulation (Chen et al. 2015) that Talebiahooie2021 compares with; its Table 3 prints N/m and N for the Pa/m and Pa
 // that these equations need.
-// Where we differ: N is taken from the overlap, not summed up, so it cannot drift.
+// Where we differ:
+// - N is taken from the overlap, not summed up, so it cannot drift;
+// - a step's displacements are those that the grains really made (the velocities that moved them, times the step), not
+//   velocities of instants: extrapolated to an instant, these would feed energy into an undamped spring in every step;
+// - shear and bending follow the tilt of the normal, and the spin of the pair about it.
 //
-// Bonded pairs are made at the start: bond() on the pair's history. Other pairs of the same materials only touch. A
-// bond pulls, so `press` must be called for bonded pairs also where overlap <= 0: the caller keeps them listed while
-// bonded(). History: shear and bending follow the tilt of the normal and the spin of the pair about it.
-// Energy: what a bond stores is elastic; what it stored when it breaks is lost. Bonds have no dashpot of their own.
-#include "dem/kernels/linear.hpp"
-#include "dem/kernels/turning.hpp"
+// Energy: what a bond stores is elastic; what it has stored when it breaks is lost. Bonds have no dashpot of their own.
+// A chain of spheres h apart is a beam with E = k_n h, G times the shear factor = k_s h, and the section above.
+#include "base/vec3.hpp"
 
 namespace dem::kernels {
+using base::Vec3;
 
-template <class Real>
+struct BondParameters {
+  double radius = 0;            // [m] R_b
+  double normal_stiffness = 0;  // [Pa/m] k_n, per area of the bond
+  double shear_stiffness = 0;   // [Pa/m] k_s
+  double tensile_strength = 0;  // [Pa]
+  double shear_strength = 0;    // [Pa]
+};
+
+/// Normal, shear, bending and twist of a bond: loads [N], [N], [N m], [N m], or stiffnesses.
+struct BondSection {
+  double area, radius_by_inertia;             // [m2], [1/m3] R_b / I
+  double normal_stiffness, shear_stiffness;   // [N/m]
+  double bending_stiffness, twist_stiffness;  // [N m]
+  TRACKBED_HD explicit BondSection(const BondParameters& bond) {
+    const double squared = bond.radius * bond.radius;
+    area = 3.14159265358979323846 * squared;
+    const double inertia = 0.25 * area * squared;
+    radius_by_inertia = bond.radius / inertia;
+    normal_stiffness = bond.normal_stiffness * area;
+    shear_stiffness = bond.shear_stiffness * area;
+    bending_stiffness = bond.normal_stiffness * inertia;
+    twist_stiffness = 2 * bond.shear_stiffness * inertia;
+  }
+};
+
+/// On i; j gets the opposite.
+struct BondLoad {
+  double normal = 0;    // [N] > 0 compressed
+  Vec3 shear, bending;  // [N], [N m] across the normal
+  double twist = 0;     // [N m] about the normal
+};
+
+/// What a bond keeps from step to step.
+struct BondState {
+  double overlap = 0;  // [m] at bonding
+  Vec3 normal;         // [-] unit vector from j to i, last seen
+  BondLoad load;       // there
+};
+
+/// Where i and j are now, and how they came there in the step that ends; all displacements zero where none does.
+struct BondMotion {
+  double overlap = 0;           // [m]
+  Vec3 normal;                  // [-]
+  double arm_i = 0, arm_j = 0;  // [m] from the centres to the bond
+  Vec3 displacement;            // [m] of i's centre relative to j's
+  Vec3 turn_i, turn_j;          // [rad]
+};
+
 struct BondReaction {
-  Reaction<Real> reaction;  // contact and bond; its energies are those of the contact alone
-  Moment<Real> bond;        // its energies are those of the bond, its force included
+  Vec3 force, moment;  // [N], [N m] on i at the bond; j gets the opposite
+  double elastic = 0;  // [J] stored now
+  double loss = 0;     // [J] with which it broke
+  bool holds = true;
 };
 
 struct ParallelBond {
-  static constexpr bool bonds = true;
-  // Bond radius [m] (0: none), overlap at bonding [m], shear force [N], bending moment [N m], twist moment [N m], the
-  // last three half a step ahead; then as Linear.
-  static constexpr int contact_history = 9;
-  static constexpr int history = contact_history + Linear::history;
+  TRACKBED_HD static BondReaction press(const BondParameters& bond, const BondMotion& motion, BondState& state) {
+    const BondSection section(bond);
+    const Vec3& n = motion.normal;
+    const Vec3 both = state.normal + n;
+    const double length = norm(both);
+    const Vec3 middle = length > 0 ? (1 / length) * both : n;
+    const Vec3 turning = motion.turn_i - motion.turn_j;
+    const double twisting = dot(turning, middle);
+    const Vec3 bending = across(turning - twisting * middle, n);
+    const Vec3 rolled = motion.arm_i * motion.turn_i + motion.arm_j * motion.turn_j;
+    const Vec3 slip = motion.displacement - cross(rolled, middle);
+    const Vec3 sliding = across(slip - dot(slip, middle) * middle, n);
 
-  /// Bonds a pair as it is now, free of stress in the bond. Clears what the contact carried.
-  TRACKBED_HD static void bond(double overlap, double bond_radius, double* history) {
-    for (int k = 0; k < ParallelBond::history; ++k) history[k] = 0;
-    history[0] = bond_radius;
-    history[1] = overlap;
-  }
-  TRACKBED_HD static bool bonded(const double* history) { return history[0] > 0; }
-
-  template <bool Ledger, class Real>
-  TRACKBED_HD TRACKBED_LANES static BondReaction<Real> press(const PairParameters& pair, const Touch<Real>& touch,
-                                                             const Turning<Real>& turning, const Interval& time,
-                                                             Real* history) {
-    BondReaction<Real> result;
-    result.reaction = Linear::press<Ledger>(pair, touch, time, history + contact_history);
-    const Section<Real> section(pair, history[0]);
-    const Vector3<Real>& n = touch.normal;
-    const Real separation = dot(touch.velocity, n), twisting = dot(turning.angular_velocity, n);
-    const Vector3<Real> sliding = touch.velocity - separation * n;
-    const Vector3<Real> bending = turning.angular_velocity - twisting * n;
-
-    const Real angle = turning.spin * all<Real>(2 * time.before);
-    Load<Real> load{Real{}, turned(Vector3<Real>{history[2], history[3], history[4]}, n, angle),
-                    turned(Vector3<Real>{history[5], history[6], history[7]}, n, angle), history[8]};
-    if constexpr (Ledger) {  // at the middle of the step that ends: what a bond that breaks now has taken in
-      load.normal = section.normal_stiffness * (touch.overlap + separation * all<Real>(time.before) - history[1]);
-      result.bond.loss = section.stored(load);
+    const double spin = 0.5 * dot(motion.turn_i + motion.turn_j, middle);
+    const BondLoad last{state.load.normal, turned(state.load.shear, state.normal, n, spin),
+                        turned(state.load.bending, state.normal, n, spin), state.load.twist};
+    const BondLoad now{
+        section.normal_stiffness * (motion.overlap - state.overlap), last.shear - section.shear_stiffness * sliding,
+        last.bending - section.bending_stiffness * bending, last.twist - section.twist_stiffness * twisting};
+    BondReaction result;
+    result.holds = holds(bond, section, now);
+    if (result.holds) {
+      result.force = now.normal * n + now.shear;
+      result.moment = now.bending + now.twist * n;
+      result.elastic = stored(section, now, now);
+      state = {state.overlap, n, now};
+    } else {
+      // Velocity Verlet has let the last force work over half the step that it gave way in.
+      result.loss = stored(section, last, now);
+      state = {};
     }
-    const Real before = all<Real>(time.before), ahead = all<Real>(time.ahead);
-    load.normal = section.normal_stiffness * (touch.overlap - history[1]);
-    load.shear -= (section.shear_stiffness * before) * sliding;
-    load.bending -= (section.bending_stiffness * before) * bending;
-    load.twist -= section.twist_stiffness * before * twisting;
-
-    const Real kept = section.kept(pair, load);
-    const auto holds = kept > Real{};
-    result.reaction.normal_force += kept * load.normal;
-    result.reaction.force += kept * (load.normal * n + load.shear);
-    result.bond.moment = kept * (load.bending + load.twist * n);
-    if constexpr (Ledger) {
-      result.bond.elastic = kept * section.stored(load);
-      result.bond.loss = choose(holds, Real{}, choose(section.exists, result.bond.loss, Real{}));
-    }
-    load.shear -= (section.shear_stiffness * ahead) * sliding;
-    load.bending -= (section.bending_stiffness * ahead) * bending;
-    load.twist -= section.twist_stiffness * ahead * twisting;
-    const Real after[] = {history[0],     history[1],     load.shear.x,   load.shear.y, load.shear.z,
-                          load.bending.x, load.bending.y, load.bending.z, load.twist};
-    for (int k = 0; k < contact_history; ++k) history[k] = choose(holds, after[k], Real{});
     return result;
   }
 
  private:
-  template <class Real>
-  struct Load {
-    Real normal;                   // [N] > 0 compressed
-    Vector3<Real> shear, bending;  // [N], [N m]
-    Real twist;                    // [N m]
-  };
+  TRACKBED_HD static Vec3 across(const Vec3& v, const Vec3& n) { return v - dot(v, n) * n; }
 
-  /// Turned into the plane normal to n, and with the pair about n; `angle` is small.
-  template <class Real>
-  TRACKBED_HD TRACKBED_LANES static Vector3<Real> turned(const Vector3<Real>& kept, const Vector3<Real>& n,
-                                                         Real angle) {
-    const Real along = dot(kept, n);
-    const Real shrink = magnitude_kept(along * along, norm2(kept)) / square_root(all<Real>(1) + angle * angle);
-    const Vector3<Real> tilted = kept - along * n;
-    return shrink * (tilted + angle * cross(n, tilted));
+  /// Carried from the plane across `from` to that across `to` by the turn that takes one to the other, then by `spin`
+  /// about it.
+  TRACKBED_HD static Vec3 turned(const Vec3& v, const Vec3& from, const Vec3& to, double spin) {
+    const Vec3 axis = cross(from, to);
+    const double cosine = dot(from, to), share = cosine > -0.5 ? 1 / (1 + cosine) : 0;
+    const Vec3 tilt = cross(axis, v);
+    const Vec3 tilted = across(v + tilt + share * cross(axis, tilt), to);
+    return std::cos(spin) * tilted + std::sin(spin) * cross(to, tilted);
   }
 
-  /// Stiffnesses of a whole bond; where there is none, zeros.
-  template <class Real>
-  struct Section {
-    decltype(Real{} > Real{}) exists;
-    Real area, radius_by_inertia;  // [m2], [1/m3] R_b / I
-    Real normal_stiffness, shear_stiffness, bending_stiffness, twist_stiffness;
+  TRACKBED_HD static bool holds(const BondParameters& bond, const BondSection& section, const BondLoad& load) {
+    const double tension = norm(load.bending) * section.radius_by_inertia - load.normal / section.area;
+    const double shear = norm(load.shear) / section.area + 0.5 * std::fabs(load.twist) * section.radius_by_inertia;
+    return tension <= bond.tensile_strength && shear <= bond.shear_strength;
+  }
 
-    TRACKBED_HD TRACKBED_LANES Section(const PairParameters& pair, Real bond_radius) : exists(bond_radius > Real{}) {
-      const double pi = 3.14159265358979323846;
-      const Real radius = choose(exists, bond_radius, all<Real>(1)), squared = radius * radius;
-      area = all<Real>(pi) * squared;
-      const Real inertia = all<Real>(0.25) * area * squared;
-      radius_by_inertia = radius / inertia;
-      const Real k_n = choose(exists, all<Real>(pair.bond_normal_stiffness), Real{});
-      const Real k_s = choose(exists, all<Real>(pair.bond_shear_stiffness), Real{});
-      normal_stiffness = k_n * area;
-      shear_stiffness = k_s * area;
-      bending_stiffness = k_n * inertia;
-      twist_stiffness = k_s * (inertia + inertia);
-    }
-
-    /// 1 where the bond is and stays, 0 elsewhere.
-    TRACKBED_HD TRACKBED_LANES Real kept(const PairParameters& pair, const Load<Real>& load) const {
-      const Real twist = larger(load.twist, -load.twist);
-      const Real tension = square_root(norm2(load.bending)) * radius_by_inertia - load.normal / area;
-      const Real shear = square_root(norm2(load.shear)) / area + all<Real>(0.5) * twist * radius_by_inertia;
-      const auto holds =
-          both(tension <= all<Real>(pair.bond_tensile_strength), shear <= all<Real>(pair.bond_shear_strength));
-      return choose(both(exists, holds), all<Real>(1), Real{});
-    }
-
-    TRACKBED_HD TRACKBED_LANES Real stored(const Load<Real>& load) const {
-      return all<Real>(0.5) *
-             (per(load.normal * load.normal, normal_stiffness) + per(norm2(load.shear), shear_stiffness) +
-              per(norm2(load.bending), bending_stiffness) + per(load.twist * load.twist, twist_stiffness));
-    }
-    TRACKBED_HD TRACKBED_LANES static Real per(Real squared, Real stiffness) {
-      const auto stiff = stiffness > Real{};
-      return choose(stiff, squared, Real{}) / choose(stiff, stiffness, all<Real>(1));
-    }
-  };
+  /// Half the products of two loads over the stiffnesses [J]: of one with itself, what it stores.
+  TRACKBED_HD static double stored(const BondSection& section, const BondLoad& a, const BondLoad& b) {
+    return 0.5 *
+           (per(a.normal * b.normal, section.normal_stiffness) + per(dot(a.shear, b.shear), section.shear_stiffness) +
+            per(dot(a.bending, b.bending), section.bending_stiffness) +
+            per(a.twist * b.twist, section.twist_stiffness));
+  }
+  TRACKBED_HD static double per(double product, double stiffness) { return stiffness > 0 ? product / stiffness : 0; }
 };
 
 }  // namespace dem::kernels
-
-namespace dem {
-
-/// True for laws that pull and need the turning of the pair.
-template <class Law>
-concept Bonding = requires {
-  Law::bonds;
-};
-
-}  // namespace dem

@@ -115,6 +115,7 @@ TRACKBED_HD inline void kick(RigidRotation& r, const Vec3& inertia, const Vec3& 
 /// A scheme is begin_step() and finish_step(); these two share them around a free flight over dt.
 template <class Flight>
 struct KickedFlight {
+  static constexpr bool halves = true;  // begin_step() gives half of the torque's impulse
   TRACKBED_HD static void begin_step(RigidRotation& r, const Vec3& inertia, const Vec3& torque, double dt) {
     kick(r, inertia, (0.5 * dt) * torque);
     Flight::fly(r, inertia, dt);
@@ -158,6 +159,7 @@ struct RungeKutta : KickedFlight<RungeKutta> {
 };
 
 struct Direct {
+  static constexpr bool halves = false;
   TRACKBED_HD static void begin_step(RigidRotation& r, const Vec3& inertia, const Vec3& torque, double dt) {
     const Quaternion q = r.orientation;
     const Vec3 omega = to_body(q, r.angular_velocity);

@@ -25,10 +25,12 @@ struct Touch {
 };
 
 /// A shear spring moves with the relative velocity of this instant for half the step that ends here and half the step
-/// that begins here: summed over the steps this is the displacement of velocity Verlet to second order.
+/// that begins here: summed over the steps this is the displacement of velocity Verlet to second order. Symplectic
+/// Euler moves with the velocity of a step's end: it moves springs for all of the step that ends, and none of the next.
 struct Interval {
-  double before;  // [s] half the step that ends now; 0 when a run starts
-  double ahead;   // [s] half the step that begins now
+  double before;              // [s] half the step that ends now; 0 when a run starts
+  double ahead;               // [s] half the step that begins now
+  double ended = 2 * before;  // [s] the step that ends now
 };
 
 template <class Real>

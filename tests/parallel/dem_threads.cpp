@@ -42,7 +42,8 @@ std::vector<dem::Grain> bed() {
 struct Case {
   int threads = 1, lanes = 0;
   std::string law = "hertz_mindlin", rolling = "brof";
-  int steps = 100;  // per window
+  int steps = 100;     // per window
+  bool bonds = false;  // of what touches, some of which break
 };
 
 Outcome run(const Case& c) {
@@ -64,7 +65,12 @@ Outcome run(const Case& c) {
   setup.gravity = {0, 0, -9.81};
   setup.lanes = c.lanes;
   const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
-  sim->add_grains(bed());
+  const auto grains = bed();
+  sim->add_grains(grains);
+  std::vector<dem::Bond> bonds;
+  if (c.bonds)
+    for (const auto& [i, j] : dem::pairs_within(grains, 0)) bonds.push_back({i, j, {0.01, 1e9, 5e8, 5e4, 5e4}});
+  sim->add_bonds(bonds);
   base::Skin floor;
   for (int i = 0; i <= 5; ++i)
     for (int j = 0; j <= 5; ++j) floor.nodes.push_back({0.08 * i, 0.08 * j, 0});
@@ -144,6 +150,16 @@ TEST(DemThreads, ThreadsAndLanesAgree) {
   expect_close(one, run({3, 2}));
   expect_close(one, run({1, 1}));
   expect_close(one, run({2, 0}));
+}
+
+// Bonds are added up in the order in which they were made, whatever the threads and the numbering.
+TEST(DemThreads, BondsDoNotDependOnThreads) {
+  const auto one = run({.lanes = 1, .bonds = true});
+  expect_same(one, run({.threads = 2, .lanes = 1, .bonds = true}));
+  expect_same(run({.threads = 2, .bonds = true}), run({.threads = 2, .bonds = true}));
+  EXPECT_GT(one.energy.loss_breakage, 0);
+  EXPECT_GT(one.energy.elastic_bonds, 0);
+  expect_closed(one, 2e-3);
 }
 
 // Every law and rolling model a scene can name: taken several at once, one by one (as on a GPU), and looked up contact

@@ -1,168 +1,183 @@
-// Linear parallel bond (dem/kernels/parallel_bond.hpp; Potyondy, Cundall 2004, section 2.2).
+// Linear parallel bond (dem/kernels/parallel_bond.hpp; Potyondy, Cundall 2004, section 2.2) and what makes bonds.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
-#include "dem/law_parameters.hpp"
-#include "tests/dem_pair_helper.hpp"
+#include "base/error.hpp"
+#include "dem/dem.hpp"
 
-using namespace dem_test;
+using base::Vec3;
+using namespace dem::kernels;
 
 namespace {
 
 constexpr double radius = 0.01, bond_radius = 0.006;  // [m]
-const double mass = sphere_mass(radius, 2500);
 const double area = std::numbers::pi * bond_radius * bond_radius, inertia = 0.25 * area * bond_radius * bond_radius;
-constexpr double never = 1e30;  // [Pa]
+constexpr double never = std::numeric_limits<double>::infinity();  // [Pa]
 
-PairParameters cement(double tensile, double shear) {
-  PairParameters pair = dem::linear_pair({1e6, 0.5e6, 0.5, 1});
-  pair.bond_normal_stiffness = 2e10;  // [Pa/m]
-  pair.bond_shear_stiffness = 1e10;
-  pair.bond_tensile_strength = tensile;
-  pair.bond_shear_strength = shear;
-  return pair;
-}
+BondParameters cement(double tensile, double shear) { return {bond_radius, 2e10, 1e10, tensile, shear}; }
 
-/// Two spheres that just touch, bonded.
-Pair<ParallelBond> bonded(const PairParameters& parameters) {
-  Pair<ParallelBond> pair{parameters, {radius, mass, {0, 0, 2 * radius}, {}}, {radius, mass, {}, {}}};
-  ParallelBond::bond(0, bond_radius, pair.history.data());
-  return pair;
-}
+/// Two spheres that just overlap, j below i.
+constexpr double overlap = 1e-6;  // [m]
+BondState fresh() { return {overlap, {0, 0, 1}, {}}; }
 
 struct Motion {
-  double stretch = 0;         // [m] now
-  Vec3 sliding{}, turning{};  // [m], [rad] in the step up to now, held still before and after
+  double stretch = 0;         // [m]
+  Vec3 sliding{}, turning{};  // [m] at the bond, [rad] of i
 };
+BondMotion motion_of(const Motion& m) {
+  const double arm = radius - 0.5 * (overlap - m.stretch);
+  // i turns about the bond: its centre goes along.
+  const Vec3 way = m.sliding + cross(m.turning, {0, 0, arm});
+  return {overlap - m.stretch, {0, 0, 1}, arm, arm, way, m.turning, {}};
+}
 /// Reaction of a fresh bond to one motion; the normal is z.
-BondReaction<double> answer(const PairParameters& parameters, const Motion& motion) {
-  double history[ParallelBond::history + 1] = {};
-  ParallelBond::bond(1e-6, bond_radius, history);
-  const Touch<double> touch{1e-6 - motion.stretch, radius / 2, mass / 2, {0, 0, 1}, motion.sliding};
-  return ParallelBond::press<true>(parameters, touch, Turning<double>{motion.turning, 0}, {1, 0}, history);
+BondReaction answer(const BondParameters& bond, const Motion& m) {
+  BondState state = fresh();
+  return ParallelBond::press(bond, motion_of(m), state);
+}
+
+Vec3 rotated(const Vec3& v, const Vec3& axis, double angle) {
+  return std::cos(angle) * v + std::sin(angle) * cross(axis, v) + (1 - std::cos(angle)) * dot(axis, v) * axis;
+}
+
+template <class Call>
+std::string message(Call&& call) {
+  try {
+    call();
+  } catch (const base::UserError& error) {
+    return error.what();
+  }
+  return "no error";
 }
 
 }  // namespace
 
 // Stretch, shear, bending and twist, each alone: k_n A, k_s A, k_n I, k_s J. Tension pulls i towards j.
 TEST(Bond, Stiffnesses) {
-  const auto pair = cement(never, never);
-  EXPECT_NEAR(answer(pair, {.stretch = 1e-5}).reaction.force.z, -2e10 * area * 1e-5, 1e-9);
-  EXPECT_NEAR(answer(pair, {.sliding = {1e-6, 0, 0}}).reaction.force.x, -(1e10 * area + 0.5e6) * 1e-6, 0.5);
-  EXPECT_NEAR(answer(pair, {.stretch = 1e-4, .sliding = {0, 1e-6, 0}}).reaction.force.y, -1e10 * area * 1e-6, 1e-9);
-  const auto turned = answer(pair, {.turning = {1e-3, 0, 2e-3}});
-  EXPECT_NEAR(turned.bond.moment.x, -2e10 * inertia * 1e-3, 1e-12);
-  EXPECT_NEAR(turned.bond.moment.z, -1e10 * 2 * inertia * 2e-3, 1e-12);
-  EXPECT_NEAR(turned.bond.elastic, 0.5 * (2e10 * inertia * 1e-6 + 1e10 * 2 * inertia * 4e-6), 1e-15);
+  const auto bond = cement(never, never);
+  EXPECT_NEAR(answer(bond, {.stretch = 1e-5}).force.z, -2e10 * area * 1e-5, 1e-9);
+  EXPECT_NEAR(answer(bond, {.stretch = -1e-5}).force.z, 2e10 * area * 1e-5, 1e-9);
+  EXPECT_NEAR(answer(bond, {.sliding = {1e-6, 0, 0}}).force.x, -1e10 * area * 1e-6, 1e-9);
+  EXPECT_NEAR(answer(bond, {.stretch = 1e-4, .sliding = {0, 1e-6, 0}}).force.y, -1e10 * area * 1e-6, 1e-9);
+  const auto turned = answer(bond, {.turning = {1e-3, 0, 0}});
+  EXPECT_NEAR(turned.moment.x, -2e10 * inertia * 1e-3, 1e-12);
+  EXPECT_NEAR(norm(turned.force), 0, 1e-9) << "a turn about the bond itself";
+  const auto twisted = answer(bond, {.turning = {0, 0, 2e-3}});
+  EXPECT_NEAR(twisted.moment.z, -1e10 * 2 * inertia * 2e-3, 1e-12);
+  EXPECT_NEAR(twisted.elastic, 0.5 * 1e10 * 2 * inertia * 4e-6, 1e-15);
 }
 
 // -N / A + |M| R / I and |V| / A + |T| R / J against the strengths: just below it holds, just above it is gone.
 TEST(Bond, Breaks) {
   const double tension = 2e10 * 1e-5 + 2e10 * 3e-4 * bond_radius, shear = 1e10 * 2e-6 + 1e10 * 1e-3 * bond_radius;
   const Motion pulled{.stretch = 1e-5, .turning = {0, 3e-4, 0}};
-  const Motion slid{.stretch = 1e-6, .sliding = {0, 2e-6, 0}, .turning = {0, 0, 1e-3}};
-  EXPECT_GT(norm(answer(cement(1.001 * tension, never), pulled).reaction.force), 1);
-  EXPECT_GT(norm(answer(cement(never, 1.001 * shear), slid).reaction.force), 1);
+  const Motion slid{.sliding = {0, 2e-6, 0}, .turning = {0, 0, 1e-3}};
+  EXPECT_TRUE(answer(cement(1.001 * tension, never), pulled).holds);
+  EXPECT_TRUE(answer(cement(never, 1.001 * shear), slid).holds);
   for (const auto& gone :
        {answer(cement(0.999 * tension, never), pulled), answer(cement(never, 0.999 * shear), slid)}) {
-    EXPECT_EQ(norm(gone.reaction.force), 0);
-    EXPECT_EQ(norm(gone.bond.moment), 0);
-    EXPECT_EQ(gone.bond.elastic, 0);
-    EXPECT_GT(gone.bond.loss, 0);
+    EXPECT_FALSE(gone.holds);
+    EXPECT_EQ(norm(gone.force), 0);
+    EXPECT_EQ(norm(gone.moment), 0);
+    EXPECT_EQ(gone.elastic, 0);
   }
 }
 
-// Pulled apart slowly: once broken it never holds again, and history is clean for the next contact. What the pull put
-// in is lost.
-TEST(Bond, BreakingLosesWhatItStored) {
-  const auto pair = cement(1e5, never);
-  double history[ParallelBond::history + 1] = {};
-  ParallelBond::bond(0, bond_radius, history);
-  const double dt = 1e-7, speed = 0.01;
-  double work = 0, lost = 0;
-  for (int n = 0; n < 10000; ++n) {
-    const Touch<double> touch{-speed * dt * n, radius / 2, mass / 2, {0, 0, 1}, {0, 0, speed}};
-    const auto now = ParallelBond::press<true>(pair, touch, Turning<double>{}, {dt / 2, dt / 2}, history);
-    work -= now.reaction.force.z * speed * dt;
-    lost += now.bond.loss;
+// Half the last load works over the step in which the bond gives way: stored + half a step's work is what is lost, here
+// of a pull in ten equal steps, the tenth of which is too much.
+TEST(Bond, BreakingLosesWhatWasTakenIn) {
+  const double step = 1e-6;
+  const auto bond = cement(2e10 * 9.5 * step, never);
+  BondState state = fresh();
+  BondReaction last;
+  for (int n = 1; n <= 10; ++n) {
+    BondMotion motion = motion_of({.stretch = n * step});
+    motion.displacement = {0, 0, step};
+    last = ParallelBond::press(bond, motion, state);
+    EXPECT_EQ(last.holds, n < 10);
   }
-  const double stretch = 1e5 / 2e10;
-  EXPECT_NEAR(lost / (0.5 * 2e10 * area * stretch * stretch), 1, 1e-3);
-  EXPECT_NEAR(work / lost, 1, 1e-3);
-  EXPECT_FALSE(ParallelBond::bonded(history));
-  for (double number : history) EXPECT_EQ(number, 0);
+  EXPECT_NEAR(last.loss / (0.5 * 2e10 * area * 9 * 10 * step * step), 1, 1e-9);
 }
 
-// A bonded pair thrown tumbling and shaking: momentum and angular momentum to rounding, energy to the integrator's
-// error, whatever its axis does.
-TEST(Bond, TumblingPairKeepsEnergyAndMomenta) {
-  auto pair = bonded(cement(never, never));
-  pair.i.velocity = {0.3, 0.1, 0.05};
-  pair.j.velocity = {-0.2, 0.1, 0};
-  pair.i.spin = {20, -10, 40};
-  pair.j.spin = {-5, 15, 30};
-  const auto momentum = [&] { return mass * (pair.i.velocity + pair.j.velocity); };
-  const auto angular = [&] {
-    return mass * (cross(pair.i.position, pair.i.velocity) + cross(pair.j.position, pair.j.velocity)) +
-           pair.i.inertia() * (pair.i.spin + pair.j.spin);
-  };
-  const Vec3 p = momentum(), l = angular();
-  const double before = pair.energy();
-  const double period = 2 * std::numbers::pi * std::sqrt(mass / 2 / (2e10 * area));
-  double most = 0;
-  for (int n = 0; n < 20000; ++n) {
-    pair.step(period / 200);
-    most = std::max(most, std::abs(pair.energy() / before - 1));
-  }
-  EXPECT_LT(norm(momentum() - p), 1e-12 * norm(p));
-  EXPECT_LT(norm(angular() - l), 1e-10 * norm(l));
-  EXPECT_LT(most, 0.01);
-  EXPECT_TRUE(ParallelBond::bonded(pair.history.data()));
+// Nothing moved: the same answer again, whatever the bond carries.
+TEST(Bond, ALookChangesNothing) {
+  const auto bond = cement(never, never);
+  BondState state = fresh();
+  const Motion m{.stretch = 1e-6, .sliding = {1e-6, 2e-6, 0}, .turning = {1e-4, 0, 2e-4}};
+  const auto first = ParallelBond::press(bond, motion_of(m), state);
+  BondMotion still = motion_of(m);
+  still.displacement = still.turn_i = still.turn_j = {};
+  const auto again = ParallelBond::press(bond, still, state);
+  EXPECT_LT(norm(again.force - first.force), 1e-14 * norm(first.force));
+  EXPECT_LT(norm(again.moment - first.moment), 1e-14 * norm(first.moment));
 }
 
-// The same seen from a turned frame that flies past, and with i and j exchanged.
-TEST(Bond, FrameIndifferentAndReciprocal) {
-  const Vec3 axis{1 / 3.0, 2 / 3.0, -2 / 3.0}, boost{0.7, -0.3, 0.4};
-  auto plain = bonded(cement(never, never));
-  plain.i.velocity = {0.3, 0.1, 0.05};
-  plain.i.spin = {20, -10, 40};
-  auto moved = plain, swapped = plain;
-  std::swap(swapped.i, swapped.j);
-  for (Body* body : {&moved.i, &moved.j}) {
-    body->position = rotated(body->position, axis, 1.1);
-    body->velocity = rotated(body->velocity, axis, 1.1) + boost;
-    body->spin = rotated(body->spin, axis, 1.1);
-  }
-  for (int n = 0; n < 500; ++n)
-    for (auto* pair : {&plain, &moved, &swapped}) pair->step(1e-6);
-  const double scale = norm(plain.reaction.force), moment = norm(plain.bond.moment);
-  EXPECT_GT(std::min(scale, moment), 1e-3);
-  EXPECT_LT(norm(rotated(plain.reaction.force, axis, 1.1) - moved.reaction.force), 1e-6 * scale);
-  EXPECT_LT(norm(rotated(plain.bond.moment, axis, 1.1) - moved.bond.moment), 1e-6 * moment);
-  EXPECT_LT(norm(plain.reaction.force + swapped.reaction.force), 1e-9 * scale);
-  EXPECT_LT(norm(plain.bond.moment + swapped.bond.moment), 1e-9 * moment);
-}
-
-// Turned as one body about any axis, its own included, a loaded bond turns its shear and bending along.
+// Turned as one body about any axis, its own included, by one radian in 100 steps, a loaded bond turns its load along
+// and takes up no more. Turns that follow the normal by projection alone are off by per cents.
 TEST(Bond, LoadTurnsWithThePair) {
-  const auto pair = cement(never, never);
+  const auto bond = cement(never, never);
+  const int steps = 100;
+  const double angle = 1.0;
   for (const Vec3& axis : {Vec3{0, 0, 1}, Vec3{0, 1, 0}, Vec3{0.6, 0, 0.8}}) {
-    double history[ParallelBond::history + 1] = {};
-    ParallelBond::bond(0, bond_radius, history);
-    Touch<double> touch{-1e-6, radius / 2, mass / 2, {0, 0, 1}, {1e-6, 0, 0}};
-    const auto first = ParallelBond::press<true>(pair, touch, Turning<double>{{0, 1e-4, 0}, 0}, {1, 0}, history);
-    touch.velocity = {};
-    const int steps = 2000;
-    const double angle = 1.0;
-    BondReaction<double> last;
+    BondState state = fresh();
+    const auto first =
+        ParallelBond::press(bond, motion_of({.sliding = {1e-6, 0, 0}, .turning = {0, 1e-4, 1e-4}}), state);
+    const double distance = 2 * radius - overlap;
+    BondReaction last;
     for (int n = 1; n <= steps; ++n) {
-      touch.normal = rotated({0, 0, 1}, axis, angle * n / steps);
-      const double spin = angle / steps * dot(axis, touch.normal);  // [rad] per step of 1 s
-      last = ParallelBond::press<true>(pair, touch, Turning<double>{{}, spin}, {0.5, 0.5}, history);
+      const auto at = [&](int k) { return rotated({0, 0, 1}, axis, angle * k / steps); };
+      const Vec3 turn = (angle / steps) * axis;
+      last = ParallelBond::press(
+          bond, {overlap, at(n), 0.5 * distance, 0.5 * distance, distance * (at(n) - at(n - 1)), turn, turn}, state);
     }
-    EXPECT_LT(norm(last.reaction.force - rotated(first.reaction.force, axis, angle)),
-              1e-3 * norm(first.reaction.force));
-    EXPECT_LT(norm(last.bond.moment - rotated(first.bond.moment, axis, angle)), 1e-3 * norm(first.bond.moment));
+    // Spurious strain: the chord of a step is shorter than its arc by a share of (1/100)^2 / 24.
+    const double spurious = 1e10 * area * distance * angle * 1e-4 / 20;
+    EXPECT_LT(norm(last.force - rotated(first.force, axis, angle)), 2e-4 * norm(first.force) + spurious);
+    EXPECT_LT(norm(last.moment - rotated(first.moment, axis, angle)), 2e-4 * norm(first.moment));
   }
+}
+
+// All pairs within the gap and no others; the surfaces count, not the centres.
+TEST(Bond, PairsWithinAGap) {
+  std::vector<dem::Grain> grains;
+  for (int k = 0; k < 4; ++k) grains.push_back({.position = {0.0205 * (3 - k), 0, 0}, .radius = 0.01, .id = 10 + k});
+  grains.push_back({.position = {0, 0.0312, 0}, .radius = 0.02, .id = 7});
+  using Pairs = std::vector<std::array<std::int64_t, 2>>;
+  EXPECT_EQ(dem::pairs_within(grains, 0.0006), (Pairs{{10, 11}, {11, 12}, {12, 13}}));
+  EXPECT_EQ(dem::pairs_within(grains, 0.0013), (Pairs{{7, 13}, {10, 11}, {11, 12}, {12, 13}}));
+  EXPECT_TRUE(dem::pairs_within(grains, 0).empty());
+}
+
+TEST(Bond, MistakesAreNamed) {
+  dem::Setup setup;
+  setup.materials = {{"stone", 1e9, 0.25, 2500}};
+  setup.interactions = {{0.5, 1, 0}};
+  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const std::array<dem::Sphere, 2> two{dem::Sphere{{-0.01, 0, 0}, 0.015}, dem::Sphere{{0.01, 0, 0}, 0.015}};
+  const int dumbbell = sim->add_shape(dem::make_clump(two));
+  sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, 0}, .radius = radius, .id = 3},
+                                          {.position = {0.02, 0, 0}, .radius = radius, .id = 5},
+                                          {.position = {0.1, 0, 0}, .radius = 0.025, .id = 8, .shape = dumbbell}});
+  const auto add = [&](std::int64_t i, std::int64_t j, const BondParameters& is) {
+    const dem::Bond bond{i, j, is};
+    return message([&] { sim->add_bonds({&bond, 1}); });
+  };
+  const auto good = cement(1e6, 1e6);
+  EXPECT_EQ(add(3, 4, good), "dem: bond of grains 3 and 4: there is no grain 4");
+  EXPECT_EQ(add(3, 3, good), "dem: bond of grains 3 and 3: a grain cannot be bonded to itself");
+  EXPECT_EQ(add(3, 8, good), "dem: bond of grains 3 and 8: grain 8 is a clump; bonds join spheres");
+  auto bad = good;
+  bad.radius = 0;
+  EXPECT_EQ(add(3, 5, bad), "bond: radius = 0; must be > 0 and finite [m]");
+  bad = good;
+  bad.tensile_strength = -1;
+  EXPECT_EQ(add(3, 5, bad), "bond: tensile_strength = -1; must be > 0 [Pa]");
+  EXPECT_TRUE(sim->bonds().empty());
+  EXPECT_EQ(add(3, 5, good), "no error");
+  EXPECT_EQ(add(5, 3, good), "dem: bond of grains 5 and 3: they are bonded already");
+  EXPECT_EQ(message([&] { dem::pairs_within(sim->grains(), 0.1); }), "dem: bonds join spheres; grain 8 is a clump");
 }

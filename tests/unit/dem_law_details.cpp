@@ -124,9 +124,6 @@ TEST(LawParameters, AbsurdValuesAreNamed) {
   pair.friction_exponent = -0.15;
   EXPECT_EQ(message([&] { dem::check_parameters(pair); }),
             "critical_stress = 0; must be > 0 where friction_exponent is not 0 [Pa]");
-  pair.critical_stress = 5e6;
-  pair.bond_shear_strength = -1;
-  EXPECT_EQ(message([&] { dem::check_parameters(pair); }), "bond_shear_strength = -1; must be >= 0 and finite");
 }
 
 // ---- linear

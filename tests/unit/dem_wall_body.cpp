@@ -169,7 +169,7 @@ TEST(DemWallBody, LightPlateLimitsTheStep) {
   const auto step = sim->contact_stable_step();
   EXPECT_LT(step.limit, 2 / std::sqrt(omega2));
   EXPECT_GT(step.limit, 0.6 * 2 / std::sqrt(omega2));
-  EXPECT_NE(step.limiter.find("a wall that moves as a body"), std::string::npos) << step.limiter;
+  EXPECT_NE(step.limiter.find("of a wall that moves as a body"), std::string::npos) << step.limiter;
 }
 
 TEST(DemWallBody, RefusesWhatCannotMove) {
