@@ -214,6 +214,7 @@ class Simulation {
   virtual base::Energy energy() const = 0;
   /// Works and losses start again at zero from here.
   virtual void reset_energy() = 0;
+  /// Contacts as of the last advance(); none after grains have been added or removed, until the next.
   virtual std::vector<GrainContact> grain_contacts() const = 0;
   virtual std::vector<WallContact> wall_contacts() const = 0;
   virtual Counts counts() const = 0;

@@ -7,7 +7,8 @@
 // damping alpha [1/s] (for relaxation) is taken implicitly, so that it never drives a grain whatever alpha.
 //
 // Symplectic Euler in the same pass: nothing of a step's impulse is given at its end and all of it at its start; the
-// velocity of the instant is that of the step before it, and contacts see it. Source: Irazabal2017 3.36-3.39.
+// velocity of the instant is that of the step before it, and contacts see it. Source: Irazabal2017 3.36-3.39. Its
+// energy ledger closes to first order in the step only.
 //
 // Rows between two calls of advance(): `state` has the velocities of the instant, `pull` the accelerations. Within one:
 // `state` has v_half, `pull` the forces of the contacts.

@@ -137,6 +137,7 @@ class System final : public Simulation {
   SweepSums sweep_sums_;  // of the last step; its losses are booked
 
   bool list_is_stale_ = true, forces_are_stale_ = true;
+  bool rows_moved_ = false;                // grains came or went: the lists name others
   double skin_ = 0, skin_share_ = 0.1;     // [m]; of the smallest radius
   double tight_ = 0, tight_share_ = 0.01;  // of the list that the step runs over; without a sweep the same as the skin
   double travelled_ = 0;  // [m] bound of what any grain has moved from the skin list's build to the tight list's

@@ -164,7 +164,7 @@ inline void System::rebuild(double share) {
   }
   travelled_ = 0;
   walls_.listed_here(share);
-  list_is_stale_ = false;
+  list_is_stale_ = rows_moved_ = false;
   last_rebuild_ = steps_;
   ++rebuilds_;
 }

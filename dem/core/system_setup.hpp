@@ -100,6 +100,7 @@ inline void System::add_grains(std::span<const Grain> grains) {
     set_masses();
   }
   mark_grains_changed();
+  rows_moved_ = true;
 }
 
 inline void System::remove_grains(std::span<const std::int64_t> ids) {
@@ -119,6 +120,7 @@ inline void System::remove_grains(std::span<const std::int64_t> ids) {
   else
     grains_.keep(kept);
   mark_grains_changed();
+  rows_moved_ = true;
 }
 
 inline void System::set_grains(std::span<const Grain> changed) {

@@ -157,4 +157,23 @@ TEST(DemLists, BrokenStatesStopTheRun) {
   }
 }
 
+TEST(DemLists, NoContactsBetweenRemovalAndTheNextStep) {
+  dem::Setup setup;
+  setup.materials = {{"stone", 1e8, 0.25, 2500}};
+  setup.interactions = {{0.5, 0.5, 0}};
+  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
+  std::vector<dem::Grain> row;
+  for (int k = 0; k < 4; ++k) row.push_back({.position = {0.0399 * k, 0, 0.01999}, .radius = 0.02, .id = k});
+  sim->add_grains(row);
+  sim->advance(1, 1e-6);
+  EXPECT_EQ(sim->grain_contacts().size(), 3u);
+  sim->remove_grains(std::vector<std::int64_t>{0});
+  EXPECT_TRUE(sim->grain_contacts().empty());
+  EXPECT_TRUE(sim->wall_contacts().empty());
+  sim->advance(0, 1e-6);
+  EXPECT_EQ(sim->grain_contacts().size(), 2u);
+  EXPECT_EQ(sim->wall_contacts().size(), 3u);
+}
+
 }  // namespace
