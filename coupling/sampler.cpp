@@ -45,6 +45,9 @@ Sampler::Sampler(const Roles& roles, const Scene& scene, dem::Simulation* grains
 
 void Sampler::zero() {
   if (!grains_) return;
+  for (const Probe& probe : scene_.probes)
+    if (probe.kind == ProbeKind::wall_displacement && wall_number(probe.wall) >= 0)
+      wall_zero_[probe.wall] = grains_->wall_displacement(wall_number(probe.wall));
   copies_.forget();
   marks_.clear();
   for (const auto& probe : scene_.probes) {
@@ -119,7 +122,9 @@ double Sampler::wall_probe(const Probe& probe, double last) const {
   const int wall = wall_number(probe.wall);
   const bool moves = probe.kind == ProbeKind::wall_velocity;
   if (wall < 0) return moves ? 0 : last;
-  return probe.scale * (moves ? grains_->wall_velocity(wall) : grains_->wall_displacement(wall))[probe.component];
+  const auto zero = wall_zero_.find(probe.wall);
+  const Vec3 moved = grains_->wall_displacement(wall) - (zero == wall_zero_.end() ? Vec3{} : zero->second);
+  return probe.scale * (moves ? grains_->wall_velocity(wall) : moved)[probe.component];
 }
 
 /// Of probes that have been taken already.

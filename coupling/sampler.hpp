@@ -47,7 +47,8 @@ class Sampler {
   fem::Model* bodies_;
   const std::vector<base::Skin>& skins_;
   std::vector<int> walls_, named_walls_;
-  std::vector<double> kept_;  // last values
+  std::map<std::string, Vec3> wall_zero_;  // [m] displacement of walls when the measuring started
+  std::vector<double> kept_;               // last values
   // copies made once per sample and only when a probe asks for them
   mutable GrainCopies copies_;
   mutable std::map<std::string, GrainMark> marks_;  // by the probe's name

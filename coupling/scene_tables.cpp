@@ -316,7 +316,7 @@ const std::vector<ProbeRow>& probe_rows() {
       {"grain_position", "m", "centre of one grain", ProbeRow::grain},
       {"grain_velocity", "m/s", "velocity of one grain", ProbeRow::grain},
       {"grain_angular_velocity", "rad/s", "angular velocity of one grain", ProbeRow::grain},
-      {"wall_displacement", "m", "how far a rigid wall has come since the start of the run", ProbeRow::wall},
+      {"wall_displacement", "m", "how far a rigid wall has come since the measuring started", ProbeRow::wall},
       {"wall_velocity", "m/s", "velocity of a rigid wall", ProbeRow::wall},
       {"sum", "", "offset + sum of factor x probe, in the probes' unit", ProbeRow::sum},
       {"quotient", "", "one probe over another; 0 while that one is 0", ProbeRow::pair},
