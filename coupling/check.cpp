@@ -140,6 +140,9 @@ std::string grains_text(const Setup& setup, const GrainEstimate& estimate) {
                         return pair.rolling_friction > 0 ? pair.rolling : std::string("off");
                       }));
   text += fmt::format("  walls: {} rigid, {} deformable skins\n", part.walls.size(), part.body_material.size());
+  text += fmt::format("  precision: {}\n", part.precision == dem::Precision::mixed
+                                               ? "mixed: contacts between grains in single, the rest in double"
+                                               : "double");
   text += fmt::format("  backend: {}, {} thread{}\n", setup.backend == dem::Backend::cuda ? "cuda" : "omp",
                       setup.threads, setup.threads > 1 ? "s" : "");
   return text;

@@ -30,10 +30,10 @@ struct ChosenStep {
 };
 
 struct TimeSettings {
-  double dem_fraction = 0.25;      // of the DEM stable-step limit (Rayleigh)
-  double fem_fraction = 0.9;       // of the FEM stable-step limit (2/omega_max)
+  double dem_fraction = 0.25;  // of the DEM stable-step limit (Rayleigh)
+  double fem_fraction = 0.9;   // of the FEM stable-step limit (2/omega_max)
   std::optional<ChosenStep> dem_step, fem_step;
-  bool force_step = false;    // run with a step above its limit (it will become unstable)
+  bool force_step = false;  // run with a step above its limit (it will become unstable)
 };
 
 /// The step set by hand, or `fraction` of the limit.
@@ -105,9 +105,10 @@ struct GrainsScene {
   std::vector<dem::Grain> list;                // grains given one by one ([[grain]])
   std::optional<Packing> packing;
   std::vector<WallScene> walls;
-  double neighbour_skin = 0;                 // [m] 0: automatic
-  double maximum_overlap = 0.3;              // overlap / smaller radius above which a run is declared unstable
-  bool rotations = true;                     // grains may turn
+  double neighbour_skin = 0;     // [m] 0: automatic
+  double maximum_overlap = 0.3;  // overlap / smaller radius above which a run is declared unstable
+  bool rotations = true;         // grains may turn
+  dem::Precision precision = dem::Precision::full;
   std::map<std::string, int> body_material;  // contact material of each deformable body's skin
 };
 

@@ -229,6 +229,7 @@ void build_grains(Value& root, Scene& scene) {
   grains.neighbour_skin = table.at("neighbour_skin").real();
   grains.maximum_overlap = table.at("maximum_overlap").real();
   grains.rotations = table.at("rotations").boolean();
+  if (table.at("precision").text() == "mixed") grains.precision = dem::Precision::mixed;
   read_shapes(table, grains);
   for (auto& row : singles) {
     dem::Grain grain = read_grain(row, table, grains);

@@ -61,6 +61,7 @@ std::string packing_hash(const Value& root, const Scene& scene) {
   grains.at("material").table().erase("young_modulus");  // only the packing's own counts
   grains.table().erase("friction");
   grains.table().erase("rolling_friction");
+  grains.table().erase("precision");  // packings are made in double
   for (auto& shape : grains.at("shape").list()) {
     print.add(file_text(shape.at("file").text()));
     shape.table().erase("file");

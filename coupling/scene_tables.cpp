@@ -92,6 +92,11 @@ const Table& grains_table() {
           {base::table("material", grain_material_table(), "of the grains"),
            base::tables("shape", shape_table(), "shapes that grains may have").otherwise_empty(),
            base::boolean("rotations", "grains may turn").otherwise(true),
+           base::text("precision",
+                      "of contacts between grains; mixed: laws in single precision, state and sums in double; "
+                      "processors only, packings stay double")
+               .among({"double", "mixed"})
+               .otherwise("double"),
            base::real("neighbour_skin", "m", "margin of the neighbour list; 0: chosen").at_least(0).otherwise(0.0),
            base::real("maximum_overlap", "", "overlap over the smaller radius above which a run is declared unstable")
                .above(0)

@@ -93,6 +93,8 @@ struct WallBodyState {
   Vec3 contact_force, contact_torque;       // [N], [N m] of the grains on the wall, about the centre
 };
 
+enum class Precision { full, mixed };
+
 struct Setup {
   std::vector<Material> materials;
   std::vector<Interaction> interactions;  // row-major materials × materials, symmetric
@@ -103,6 +105,7 @@ struct Setup {
   bool rotations = true;
   kernels::RotationScheme rotation_scheme = kernels::RotationScheme::quaternion;  // of clumps
   int lanes = 0;  // OMP: pairs taken at once, 2 or 4; 1: one by one, as on a GPU; 0: what suits this machine
+  Precision precision = Precision::full;
 };
 
 struct StableStep {

@@ -177,14 +177,19 @@ inline bool System::sweeps() const {
 #if !defined(TRACKBED_DEM_CUDA)
 inline SweepLayout System::sweep_layout() const {
   SweepLayout layout;
-  layout.lanes = setup_.lanes ? setup_.lanes : sweep_lanes();
+  const int doubles = setup_.lanes ? setup_.lanes : sweep_lanes();
+  layout.mixed = setup_.precision == Precision::mixed;
+  layout.lanes = layout.mixed ? 2 * doubles : doubles;
   layout.materials = static_cast<int>(setup_.materials.size());
   for (const auto& pair : grain_parameters_host_) {
     const int history = law_history(pair.law);
     layout.numbers.push_back(contact_numbers(history, setup_.track_energy, pair.rolling));
-    const SweepChoice choice{
-        .law = pair.law, .rolling = pair.rolling, .ledger = setup_.track_energy, .turns = setup_.rotations};
-    layout.sweeps.push_back(find_sweep(choice, layout.lanes));
+    const SweepChoice choice{.law = pair.law,
+                             .rolling = pair.rolling,
+                             .ledger = setup_.track_energy,
+                             .turns = setup_.rotations,
+                             .mixed = layout.mixed};
+    layout.sweeps.push_back(find_sweep(choice, doubles));
   }
   return layout;
 }

@@ -63,19 +63,20 @@ double misplaced(const dem::Simulation& simulation, const Bed& bed) {
 
 struct Way {
   int lanes, threads;
-  bool energy;
+  bool energy, mixed = false;
 };
 
 Run ours(const Bed& bed, const Way& way) {
   dem::Setup setup = setup_of(way.energy);
   setup.lanes = way.lanes;
+  if (way.mixed) setup.precision = dem::Precision::mixed;
   dem::set_threads(way.threads);
   std::shared_ptr<dem::Simulation> simulation = dem::Simulation::create(setup, dem::Backend::omp);
   put_into(*simulation, bed);
   const bool wide = way.lanes == 0 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   const std::string name = "Trackbed, " + std::string(wide ? "AVX2" : "portable") + ", " +
                            (way.threads == 1 ? "1 thread" : std::to_string(way.threads) + " threads") +
-                           (way.energy ? ", ledger" : "");
+                           (way.energy ? ", ledger" : "") + (way.mixed ? ", mixed" : "");
   const double off = misplaced(*simulation, bed);
   simulation->advance(warm_up, time_step);
   const dem::Counts counts = simulation->counts();
@@ -219,16 +220,28 @@ int main(int argc, char** argv) try {
     compare("benchmark A", "sphere", sphere_bed(options.spheres),
             {{0, 1, false},
              {0, 1, true},
+             {0, 1, false, true},
+             {0, 1, true, true},
              {0, 2, false},
              {0, 2, true},
+             {0, 2, false, true},
              {2, 1, false},
              {2, 1, true},
+             {2, 1, false, true},
              {2, 2, false},
              {2, 2, true}},
             options);
   if (options.only != "A") {
     compare("benchmark B", "clump", clump_bed(options.clumps, dem::read_spheres(options.stone)),
-            {{0, 1, false}, {0, 1, true}, {0, 2, false}, {0, 2, true}, {2, 1, false}, {2, 2, false}}, options);
+            {{0, 1, false},
+             {0, 1, true},
+             {0, 1, false, true},
+             {0, 2, false},
+             {0, 2, true},
+             {2, 1, false},
+             {2, 1, false, true},
+             {2, 2, false}},
+            options);
   }
 } catch (const std::exception& error) {
   std::cerr << error.what() << '\n';
