@@ -94,8 +94,10 @@ class SweepLists {
     old_.clear();
   }
 
-  /// Adds the forces to `pull` and returns the sums over all pairs.
-  SweepSums run(const SweepInput& rows, const kernels::PairParameters* parameters) {
+  /// Adds the forces to `pull` and returns the sums over all pairs. Every thread also calls beside(its number, how
+  /// many).
+  template <class Beside>
+  SweepSums run(const SweepInput& rows, const kernels::PairParameters* parameters, const Beside& beside) {
     const int number = static_cast<int>(ranges_.size());
     std::vector<SweepSums> sums(2 * number);
 #pragma omp parallel for schedule(static, 1)
@@ -119,6 +121,7 @@ class SweepLists {
           layout_.sweeps[k](input, sums[2 * t + border]);
         }
       }
+      beside(t, number);
     }
     SweepSums total;
     for (std::size_t k = 0; k < sums.size(); ++k) {

@@ -10,8 +10,9 @@
 // B, so early, they follow the damping, which differs by law: LAMMPS' tsuji damps less, ours, which returns e without
 // attraction, damps more than LIGGGHTS'. The undamped forces of the first step are those of LIGGGHTS; against walls
 // this LAMMPS pushes 1.2 times as hard (1 + nu).
-// Threads that wait do so asleep (OMP_WAIT_POLICY=passive, unless set): waiting in a loop on a machine that others use
-// as well makes two threads ten times as slow.
+// Threads that wait do so asleep, after some 20 us of watching (OMP_WAIT_POLICY=passive, GOMP_SPINCOUNT=1000,
+// unless set), as with ./trackbed: waiting in a loop on a machine that others use as well makes two threads ten times
+// as slow, sleeping at once a tenth slower on a machine of their own.
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -213,6 +214,7 @@ int main(int argc, char** argv) try {
   const Options options = read(argc, argv);
   if (!std::getenv("OMP_WAIT_POLICY")) {  // the library reads it when a program starts
     setenv("OMP_WAIT_POLICY", "passive", 1);
+    setenv("GOMP_SPINCOUNT", "1000", 0);
     execv("/proc/self/exe", argv);
   }
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
