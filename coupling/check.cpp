@@ -162,6 +162,9 @@ std::string grains_text(const Setup& setup, const GrainEstimate& estimate) {
                         estimate.packed ? "" : ", and those of the grains to be packed, which may shorten the step");
   if (setup.scene.time.integrator == dem::TimeScheme::symplectic_euler) text += "  integrator: symplectic Euler\n";
   text += fmt::format("  walls: {} rigid, {} deformable skins\n", part.walls.size(), part.body_material.size());
+  text += fmt::format("  precision: {}\n", part.precision == dem::Precision::mixed
+                                               ? "mixed: contacts between grains in single, the rest in double"
+                                               : "double");
   text += fmt::format("  backend: {}, {} thread{}\n", setup.backend == dem::Backend::cuda ? "cuda" : "omp",
                       setup.threads, setup.threads > 1 ? "s" : "");
   return text;

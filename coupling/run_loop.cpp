@@ -364,6 +364,7 @@ void RunLoop::close_summary() {
   summary_.ranks = roles.size;
   summary_.threads = setup_.threads;
   summary_.backend = setup_.grains ? (setup_.backend == dem::Backend::cuda ? "cuda" : "omp") : "none";
+  if (setup_.scene.grains && setup_.scene.grains->precision == dem::Precision::mixed) summary_.precision = "mixed";
   summary_.elements = elements;
   summary_.windows = windows_;
   summary_.dem_steps = dem_steps_;

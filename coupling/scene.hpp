@@ -176,6 +176,7 @@ struct GrainsScene {
   bool rotations = true;         // grains may turn
   dem::kernels::RotationScheme rotation_scheme = dem::kernels::RotationScheme::quaternion;  // of clumps
   Bonding bonding;
+  dem::Precision precision = dem::Precision::full;
   std::map<std::string, int> body_material;  // contact material of each deformable body's skin
 };
 

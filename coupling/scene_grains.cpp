@@ -254,6 +254,7 @@ void build_grains(Value& root, Scene& scene) {
   const std::string& scheme = table.at("rotation_scheme").text();
   if (scheme == "runge_kutta") grains.rotation_scheme = dem::kernels::RotationScheme::runge_kutta;
   if (scheme == "direct") grains.rotation_scheme = dem::kernels::RotationScheme::direct;
+  if (table.at("precision").text() == "mixed") grains.precision = dem::Precision::mixed;
   read_shapes(table, grains);
   for (auto& row : singles) {
     dem::Grain grain = read_grain(row, table, grains);

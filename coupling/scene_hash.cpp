@@ -63,6 +63,7 @@ std::string packing_hash(const Value& root, const Scene& scene) {
   grains.table().erase("rolling_friction");
   grains.table().erase("bond");             // made afterwards
   grains.table().erase("rotation_scheme");  // the packing takes its own, so that runs with any start from one bed
+  grains.table().erase("precision");        // packings are made in double
   for (auto& shape : grains.at("shape").list()) {
     print.add(file_text(shape.at("file").text()));
     shape.table().erase("file");

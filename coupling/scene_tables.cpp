@@ -108,6 +108,11 @@ const Table& grains_table() {
            base::text("rotation_scheme", "how clumps turn (Irazabal2017 5.3.1). Packings take quaternion")
                .among({"quaternion", "runge_kutta", "direct"})
                .otherwise("quaternion"),
+           base::text("precision",
+                      "of contacts between grains; mixed: laws in single precision, state and sums in double; "
+                      "processors only, packings stay double")
+               .among({"double", "mixed"})
+               .otherwise("double"),
            base::real("neighbour_skin", "m", "margin of the neighbour list; 0: chosen").at_least(0).otherwise(0.0),
            base::real("maximum_overlap", "", "overlap over the smaller radius above which a run is declared unstable")
                .above(0)

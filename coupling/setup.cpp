@@ -64,7 +64,15 @@ void Setup::choose_backend() {
   const bool usable = dem::cuda_available(&why_not);
   base::require_user(options.backend != "cuda" || usable,
                      fmt::format("--backend cuda: not usable here ({}); use --backend auto or omp", why_not));
-  backend = usable && options.backend != "omp" ? dem::Backend::cuda : dem::Backend::omp;
+  const bool mixed = scene.grains->precision == dem::Precision::mixed;
+  base::require_user(
+      options.backend != "cuda" || !mixed,
+      fmt::format("{}: grains.precision = \"mixed\" is for the processor's cores, not for --backend cuda; "
+                  "use --backend auto or omp, or precision = \"double\"",
+                  scene.file.string()));
+  backend = usable && !mixed && options.backend != "omp" ? dem::Backend::cuda : dem::Backend::omp;
+  if (usable && mixed && options.backend == "auto")
+    spdlog::info("grains.precision = \"mixed\": grains run on the processor's cores, not on the GPU");
   if (dem::cuda_built() && !usable && options.backend == "auto")
     spdlog::info("no usable GPU ({}): grains run on the processor's cores", why_not);
   threads = sensible_threads(options.threads, expected_grains(*scene.grains), roles->size - 1);
@@ -126,6 +134,7 @@ void Setup::place_grains(Summary& summary) {
     dem_setup.rotations = part.rotations;
     dem_setup.rotation_scheme = part.rotation_scheme;
     dem_setup.time_scheme = scene.time.integrator;
+    dem_setup.precision = part.precision;
     dem_setup.maximum_overlap = part.maximum_overlap;
     grains = dem::Simulation::create(dem_setup, backend);
     add_shapes(*grains, part.shapes);

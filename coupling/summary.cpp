@@ -90,7 +90,7 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
   json["ranks"] = run.ranks;
   json["threads"] = run.threads;
   json["backend"] = run.backend;
-  json["precision"] = "double";
+  json["precision"] = run.precision;
   json["grains"] = run.grains;
   json["spheres"] = run.spheres;
   json["elements"] = run.elements;

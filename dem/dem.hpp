@@ -97,6 +97,7 @@ struct WallBodyState {
 /// How positions and velocities advance (Irazabal2017 3.3): velocity Verlet (3.44-3.53), second order; or symplectic
 /// Euler (3.36-3.39), first order: v += dt a(x_n, v_n), x += dt v. Walls that are bodies keep velocity Verlet.
 enum class TimeScheme { velocity_verlet, symplectic_euler };
+enum class Precision { full, mixed };
 
 struct Setup {
   std::vector<Material> materials;
@@ -109,6 +110,7 @@ struct Setup {
   TimeScheme time_scheme = TimeScheme::velocity_verlet;
   kernels::RotationScheme rotation_scheme = kernels::RotationScheme::quaternion;  // of clumps
   int lanes = 0;  // OMP: pairs taken at once, 2 or 4; 1: one by one, as on a GPU; 0: what suits this machine
+  Precision precision = Precision::full;
 };
 
 struct StableStep {

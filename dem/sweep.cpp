@@ -14,7 +14,8 @@ int sweep_lanes() {
 }
 
 Sweep find_sweep(const SweepChoice& choice, int lanes) {
-  const Sweep found = lanes == 4 ? avx2_sweep(choice) : portable_sweep(choice);
+  const Sweep found = choice.mixed ? (lanes == 4 ? avx2_mixed_sweep(choice) : portable_mixed_sweep(choice))
+                                   : (lanes == 4 ? avx2_sweep(choice) : portable_sweep(choice));
   base::require_internal(found != nullptr, "no sweep for this law and vector width");
   return found;
 }

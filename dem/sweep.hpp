@@ -2,10 +2,15 @@
 // The contact sweep of a processor: forces of a list of sphere pairs, several pairs at once (SIMD), added to the rows
 // of their grains. One function per law, number of lanes and set of features: what a scene lacks is not in its loop.
 // Deterministic: pairs are taken in the order of the list.
+//
+// Mixed precision (sweep_access.hpp): the law and what contacts keep are single precision, twice as many pairs at once.
 #include "dem/kernels/pair_parameters.hpp"
 #include "dem/kernels/touch.hpp"
 
 namespace dem {
+
+/// Pairs past the last block that the lists must still name, by rows that exist.
+constexpr int sweep_looks_ahead = 16;
 
 /// Blocks of `lanes` pairs. Rows are four numbers, eight where grains turn. A lane that holds no pair names a row whose
 /// radius is -1 twice.
@@ -15,7 +20,7 @@ struct SweepInput {
   double* pull;                     // [N] force, [N m] rolling resistance; [N m] torque, -
   const int *first, *second;        // rows read, per lane
   const int *to_first, *to_second;  // rows added to
-  double* history;                  // [block][number][lane]
+  void* history;                    // [block][number][lane], double; float in mixed precision
   int blocks;
   const kernels::PairParameters* parameters;
   kernels::Interval time;
@@ -34,11 +39,12 @@ struct SweepChoice {
   int law = 0;      // row of the table in laws.hpp
   int rolling = 0;  // row of the table in laws.hpp
   bool ledger = false, turns = true;
+  bool mixed = false;  // precision
 };
 
-/// Lanes that suit this machine: 4 with AVX2, otherwise 2.
+/// Doubles in a vector of this machine: 4 with AVX2, otherwise 2.
 int sweep_lanes();
-/// `lanes` is 2 or 4.
+/// `lanes` is 2 or 4, doubles in a vector; in mixed precision the sweep takes twice as many pairs at once.
 Sweep find_sweep(const SweepChoice&, int lanes);
 
 }  // namespace dem

@@ -4,7 +4,7 @@
 namespace dem {
 
 #if defined(__AVX2__)
-Sweep avx2_sweep(const SweepChoice& choice) { return sweep_of<4>(choice); }
+Sweep avx2_sweep(const SweepChoice& choice) { return sweep_of<double, 4>(choice); }
 #else
 Sweep avx2_sweep(const SweepChoice&) { return nullptr; }
 #endif

@@ -3,6 +3,6 @@
 
 namespace dem {
 
-Sweep portable_sweep(const SweepChoice& choice) { return sweep_of<2>(choice); }
+Sweep portable_sweep(const SweepChoice& choice) { return sweep_of<double, 2>(choice); }
 
 }  // namespace dem

@@ -23,11 +23,12 @@ struct SweepPairs {
   Vector<int> first, second;        // grains, first < second
   Vector<int> to_first, to_second;  // border only: the same, or the spare row for a grain of another range
   Vector<double> history;
+  Vector<float> short_history;  // in mixed precision, instead of the former
   int pairs = 0;
 
   std::size_t bytes() const {
     return bytes_of(start) + bytes_of(first) + bytes_of(second) + bytes_of(to_first) + bytes_of(to_second) +
-           bytes_of(history);
+           bytes_of(history) + bytes_of(short_history);
   }
 };
 
@@ -41,7 +42,8 @@ struct SweepRange {
 
 /// What the rows of pairs look like; one kind per pair of materials.
 struct SweepLayout {
-  int lanes = 2;
+  int lanes = 2;  // pairs at once
+  bool mixed = false;
   int materials = 1;
   std::vector<ContactNumbers> numbers;  // per kind
   std::vector<Sweep> sweeps;            // per kind
@@ -92,8 +94,10 @@ class SweepLists {
     old_.clear();
   }
 
-  /// Adds the forces to `pull` and returns the sums over all pairs.
-  SweepSums run(const SweepInput& rows, const kernels::PairParameters* parameters) {
+  /// Adds the forces to `pull` and returns the sums over all pairs. Every thread also calls beside(its number, how
+  /// many).
+  template <class Beside>
+  SweepSums run(const SweepInput& rows, const kernels::PairParameters* parameters, const Beside& beside) {
     const int number = static_cast<int>(ranges_.size());
     std::vector<SweepSums> sums(2 * number);
 #pragma omp parallel for schedule(static, 1)
@@ -108,12 +112,16 @@ class SweepLists {
           input.second = pointer(list.second);
           input.to_first = border ? pointer(list.to_first) : input.first;
           input.to_second = border ? pointer(list.to_second) : input.second;
-          input.history = pointer(list.history);
+          if (layout_.mixed)
+            input.history = pointer(list.short_history);
+          else
+            input.history = pointer(list.history);
           input.blocks = (list.pairs + layout_.lanes - 1) / layout_.lanes;
           input.parameters = parameters + k;
           layout_.sweeps[k](input, sums[2 * t + border]);
         }
       }
+      beside(t, number);
     }
     SweepSums total;
     for (std::size_t k = 0; k < sums.size(); ++k) {
@@ -138,7 +146,7 @@ class SweepLists {
         for (std::size_t k = 0; k < lists.size(); ++k)
           for (int c = 0; c < lists[k].pairs; ++c) {
             if (border && !range.holds(lists[k].first[c])) continue;
-            copy_history(lists[k], c, layout_.lanes, layout_.numbers[k].total, history);
+            copy_history(lists[k], c, layout_, layout_.numbers[k].total, history);
             visit(lists[k].first[c], lists[k].second[c], history, layout_.numbers[k].total);
           }
       }
@@ -164,9 +172,15 @@ class SweepLists {
   }
 
  private:
-  static void copy_history(const SweepPairs& list, int pair, int lanes, int numbers, double* to) {
-    const double* block = list.history.data() + static_cast<std::size_t>(pair / lanes) * lanes * numbers + pair % lanes;
-    for (int k = 0; k < numbers; ++k) to[k] = block[k * lanes];
+  static std::size_t place_of(int pair, int lanes, int numbers) {
+    return static_cast<std::size_t>(pair / lanes) * lanes * numbers + pair % lanes;
+  }
+  static void copy_history(const SweepPairs& list, int pair, const SweepLayout& layout, int numbers, double* to) {
+    const std::size_t first = place_of(pair, layout.lanes, numbers);
+    for (int k = 0; k < numbers; ++k) {
+      const std::size_t at = first + static_cast<std::size_t>(k * layout.lanes);
+      to[k] = layout.mixed ? list.short_history[at] : list.history[at];
+    }
   }
 
   /// Copies the history of the old pair {a, b} to `to`; false when there was none.
@@ -181,7 +195,7 @@ class SweepLists {
       for (int c = list.start[low - range.begin]; c < list.start[low - range.begin + 1]; ++c)
         if (list.first[c] == low && list.second[c] == high) {
           const ContactNumbers& numbers = layout.numbers[kind];
-          copy_history(list, c, layout.lanes, numbers.total, to);
+          copy_history(list, c, layout, numbers.total, to);
           if (a > b)
             for (int k = 0; k < numbers.total; ++k)
               if (numbers.flips >> k & 1) to[k] = -to[k];
@@ -231,9 +245,13 @@ class SweepLists {
     if (list.pairs == 0) return;
     const int lanes = layout_.lanes, blocks = (list.pairs + lanes - 1) / lanes;
     for (auto* rows : {&list.first, &list.second, &list.to_first, &list.to_second})
-      if (!rows->empty()) rows->resize((blocks + 5) * lanes, spare);  // the sweep reads ahead
+      if (!rows->empty()) rows->resize(blocks * lanes + sweep_looks_ahead, spare);
     const int row = layout_.numbers[kind].total;
-    list.history.resize(static_cast<std::size_t>(blocks) * lanes * row);
+    const std::size_t kept_numbers = static_cast<std::size_t>(blocks) * lanes * row;
+    if (layout_.mixed)
+      list.short_history.resize(kept_numbers);
+    else
+      list.history.resize(kept_numbers);
     if (old_.empty()) return;
     double kept[maximum_numbers];
     const int numbers = std::min(row, old_layout.numbers[kind].total);
@@ -241,8 +259,14 @@ class SweepLists {
       const int a = renumbered ? grains.old_of_new[list.first[c]] : list.first[c];
       const int b = renumbered ? grains.old_of_new[list.second[c]] : list.second[c];
       if (!find_old(a, b, kind, old_layout, kept)) continue;
-      double* block = list.history.data() + static_cast<std::size_t>(c / lanes) * lanes * row + c % lanes;
-      for (int k = 0; k < numbers; ++k) block[k * lanes] = kept[k];
+      const std::size_t first = place_of(c, lanes, row);
+      for (int k = 0; k < numbers; ++k) {
+        const std::size_t at = first + static_cast<std::size_t>(k * lanes);
+        if (layout_.mixed)
+          list.short_history[at] = static_cast<float>(kept[k]);
+        else
+          list.history[at] = kept[k];
+      }
     }
   }
 

@@ -85,9 +85,8 @@ class System final : public Simulation {
   void evaluate(const kernels::Interval&, double ended);
   template <class Visit>
   void with_scene_law(const Visit&) const;
-  void press_pairs(const kernels::Interval&);
   template <class Law>
-  void press_walls(const kernels::Interval&, double ended);
+  WallPass<Law> wall_pass(const kernels::Interval&, double ended);
   double leap(const Phase&, double dt);
   void book_removed_walls();
   void feel_walls();
@@ -99,6 +98,8 @@ class System final : public Simulation {
   int history_stride() const { return numbers_of({}).total; }
 #if !defined(TRACKBED_DEM_CUDA)
   SweepLayout sweep_layout() const;
+  template <class Walls>
+  void sweep_pairs(const kernels::Interval&, const Walls&);
 #endif
   [[noreturn]] void stop_unstable(int trouble, double dt) const;
   // system_measure.hpp

@@ -192,14 +192,19 @@ inline bool System::sweeps() const {
 #if !defined(TRACKBED_DEM_CUDA)
 inline SweepLayout System::sweep_layout() const {
   SweepLayout layout;
-  layout.lanes = setup_.lanes ? setup_.lanes : sweep_lanes();
+  const int doubles = setup_.lanes ? setup_.lanes : sweep_lanes();
+  layout.mixed = setup_.precision == Precision::mixed;
+  layout.lanes = layout.mixed ? 2 * doubles : doubles;
   layout.materials = static_cast<int>(setup_.materials.size());
   for (const auto& pair : grain_parameters_host_) {
     const int history = law_history(pair.law);
     layout.numbers.push_back(contact_numbers(history, setup_.track_energy, pair.rolling));
-    const SweepChoice choice{
-        .law = pair.law, .rolling = pair.rolling, .ledger = setup_.track_energy, .turns = setup_.rotations};
-    layout.sweeps.push_back(find_sweep(choice, layout.lanes));
+    const SweepChoice choice{.law = pair.law,
+                             .rolling = pair.rolling,
+                             .ledger = setup_.track_energy,
+                             .turns = setup_.rotations,
+                             .mixed = layout.mixed};
+    layout.sweeps.push_back(find_sweep(choice, doubles));
   }
   return layout;
 }
@@ -214,16 +219,6 @@ void System::with_scene_law(const Visit& visit) const {
     visit.template operator()<kernels::HertzSmooth>();
   else
     visit.template operator()<kernels::HertzMindlin>();
-}
-
-/// Forces at the present positions, added to grains_.pull or left with the pairs; the step that ends took `ended`.
-inline void System::evaluate(const kernels::Interval& time, double ended) {
-  press_pairs(time);
-  if (bonds_.any())
-    bonds_.press(grains_, bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(),
-                 bodies_.of_sphere, ended);
-  with_scene_law([&]<class Law>() { press_walls<Law>(time, ended); });
-  last_ahead_ = time.ahead;
 }
 
 template <class Law>
@@ -244,63 +239,78 @@ ContactPass<Law> contact_pass(const Grains& grains, PairColumns& pairs, const ke
           .time = time};
 }
 
-inline void System::press_pairs(const kernels::Interval& time) {
-#if !defined(TRACKBED_DEM_CUDA)
-  if (sweeps()) {
-    sweep_sums_ = {};
-    if (grains_.size() == 0) return;
-    const SweepInput rows{.place = &pointer(grains_.place)->position.x,
-                          .motion = &pointer(grains_.motion)->vector.x,
-                          .pull = &pointer(grains_.pull)->vector.x,
-                          .first = nullptr,
-                          .second = nullptr,
-                          .to_first = nullptr,
-                          .to_second = nullptr,
-                          .history = nullptr,
-                          .blocks = 0,
-                          .parameters = nullptr,
-                          .time = time,
-                          .maximum_overlap = setup_.maximum_overlap};
-    sweep_sums_ = sweep_lists_.run(rows, pointer(grain_parameters_));
-    totals_.loss_friction += sweep_sums_.loss_friction;
-    totals_.loss_contact_damping += sweep_sums_.loss_damping;
-    totals_.loss_rolling += sweep_sums_.loss_rolling;
-    if (sweep_sums_.overlap_too_large) trouble_[0] = overlap_too_large;
-    return;
-  }
-#endif
-  const auto* parameters = pointer(grain_parameters_);
-  int* unstable = pointer(trouble_);
-  with_scene_law([&]<class Law>() {
-    launch(pairs_.size(), contact_pass<Law>(grains_, pairs_, parameters, unstable, setup_.maximum_overlap, time));
-  });
+template <class Law>
+WallPass<Law> System::wall_pass(const kernels::Interval& time, double ended) {
+  return {.geometry = walls_.geometry(),
+          .node_velocity = pointer(walls_.velocity),
+          .node_displacement = pointer(walls_.displacement),
+          .place = pointer(grains_.place),
+          .motion = std::as_const(grains_).motions(),
+          .grain_material = pointer(grains_.material),
+          .parameters = pointer(wall_parameters_),
+          .materials = static_cast<int>(setup_.materials.size()),
+          .grain = pointer(near_walls_.grain),
+          .start = pointer(near_walls_.start),
+          .candidate = pointer(near_walls_.candidate),
+          .state = pointer(near_walls_.state),
+          .history = pointer(near_walls_.history),
+          .history_stride = near_walls_.history_stride,
+          .couples = couples_,
+          .sum = pointer(near_walls_.sum),
+          .impulse = pointer(near_walls_.impulse),
+          .nodal = pointer(near_walls_.nodal),
+          .ledger = pointer(near_walls_.ledger),
+          .unstable = pointer(trouble_),
+          .maximum_overlap = setup_.maximum_overlap,
+          .time = time,
+          .dt = ended};
 }
 
-template <class Law>
-void System::press_walls(const kernels::Interval& time, double ended) {
-  launch(near_walls_.near_grains(), WallPass<Law>{.geometry = walls_.geometry(),
-                                                  .node_velocity = pointer(walls_.velocity),
-                                                  .node_displacement = pointer(walls_.displacement),
-                                                  .place = pointer(grains_.place),
-                                                  .motion = std::as_const(grains_).motions(),
-                                                  .grain_material = pointer(grains_.material),
-                                                  .parameters = pointer(wall_parameters_),
-                                                  .materials = static_cast<int>(setup_.materials.size()),
-                                                  .grain = pointer(near_walls_.grain),
-                                                  .start = pointer(near_walls_.start),
-                                                  .candidate = pointer(near_walls_.candidate),
-                                                  .state = pointer(near_walls_.state),
-                                                  .history = pointer(near_walls_.history),
-                                                  .history_stride = near_walls_.history_stride,
-                                                  .couples = couples_,
-                                                  .sum = pointer(near_walls_.sum),
-                                                  .impulse = pointer(near_walls_.impulse),
-                                                  .nodal = pointer(near_walls_.nodal),
-                                                  .ledger = pointer(near_walls_.ledger),
-                                                  .unstable = pointer(trouble_),
-                                                  .maximum_overlap = setup_.maximum_overlap,
-                                                  .time = time,
-                                                  .dt = ended});
+#if !defined(TRACKBED_DEM_CUDA)
+/// Pairs, and beside them the walls: every thread takes its share of both, and all wait once.
+template <class Walls>
+void System::sweep_pairs(const kernels::Interval& time, const Walls& walls) {
+  sweep_sums_ = {};
+  if (grains_.size() == 0) return;
+  const SweepInput rows{.place = &pointer(grains_.place)->position.x,
+                        .motion = &pointer(grains_.motion)->vector.x,
+                        .pull = &pointer(grains_.pull)->vector.x,
+                        .first = nullptr,
+                        .second = nullptr,
+                        .to_first = nullptr,
+                        .to_second = nullptr,
+                        .history = nullptr,
+                        .blocks = 0,
+                        .parameters = nullptr,
+                        .time = time,
+                        .maximum_overlap = setup_.maximum_overlap};
+  const long long near = near_walls_.near_grains();
+  sweep_sums_ = sweep_lists_.run(rows, pointer(grain_parameters_), [&](int share, int shares) {
+    const int end = static_cast<int>(near * (share + 1) / shares);
+    for (int w = static_cast<int>(near * share / shares); w < end; ++w) walls(w);
+  });
+  totals_.loss_friction += sweep_sums_.loss_friction;
+  totals_.loss_contact_damping += sweep_sums_.loss_damping;
+  totals_.loss_rolling += sweep_sums_.loss_rolling;
+  if (sweep_sums_.overlap_too_large) trouble_[0] = overlap_too_large;
+}
+#endif
+
+/// Forces at the present positions, added to grains_.pull or left with the pairs; the step that ends took `ended`.
+inline void System::evaluate(const kernels::Interval& time, double ended) {
+  with_scene_law([&]<class Law>() {
+    const auto walls = wall_pass<Law>(time, ended);
+#if !defined(TRACKBED_DEM_CUDA)
+    if (sweeps()) return sweep_pairs(time, walls);
+#endif
+    launch(pairs_.size(), contact_pass<Law>(grains_, pairs_, pointer(grain_parameters_), pointer(trouble_),
+                                            setup_.maximum_overlap, time));
+    launch(near_walls_.near_grains(), walls);
+  });
+  if (bonds_.any())
+    bonds_.press(grains_, bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(),
+                 bodies_.of_sphere, ended);
+  last_ahead_ = time.ahead;
 }
 
 /// One pass of the integrator; returns the largest squared displacement since the list was made.

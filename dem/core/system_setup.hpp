@@ -13,6 +13,10 @@ inline System::System(const Setup& setup, Backend backend) : setup_(setup), back
   base::require_user(setup.interactions.size() == materials * materials,
                      "dem: interactions must be a square table, materials x materials");
   base::require_user(setup.skin >= 0 && setup.maximum_overlap > 0, "dem: skin and maximum overlap must be positive");
+  base::require_user(
+      setup.precision == Precision::full || sweeps(),
+      "dem: mixed precision is for the processor's vectors: not on a GPU, nor with contacts taken one by "
+      "one; use double precision there");
   grains_.parts = setup.rotations ? 2 : 1;
   upload(std::vector<int>{0}, trouble_);
   upload_parameters();

@@ -10,8 +10,9 @@
 // B, so early, they follow the damping, which differs by law: LAMMPS' tsuji damps less, ours, which returns e without
 // attraction, damps more than LIGGGHTS'. The undamped forces of the first step are those of LIGGGHTS; against walls
 // this LAMMPS pushes 1.2 times as hard (1 + nu).
-// Threads that wait do so asleep (OMP_WAIT_POLICY=passive, unless set): waiting in a loop on a machine that others use
-// as well makes two threads ten times as slow.
+// Threads that wait do so asleep, after some 20 us of watching (OMP_WAIT_POLICY=passive, GOMP_SPINCOUNT=1000,
+// unless set), as with ./trackbed: waiting in a loop on a machine that others use as well makes two threads ten times
+// as slow, sleeping at once a tenth slower on a machine of their own.
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -63,19 +64,20 @@ double misplaced(const dem::Simulation& simulation, const Bed& bed) {
 
 struct Way {
   int lanes, threads;
-  bool energy;
+  bool energy, mixed = false;
 };
 
 Run ours(const Bed& bed, const Way& way) {
   dem::Setup setup = setup_of(way.energy);
   setup.lanes = way.lanes;
+  if (way.mixed) setup.precision = dem::Precision::mixed;
   dem::set_threads(way.threads);
   std::shared_ptr<dem::Simulation> simulation = dem::Simulation::create(setup, dem::Backend::omp);
   put_into(*simulation, bed);
   const bool wide = way.lanes == 0 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   const std::string name = "Trackbed, " + std::string(wide ? "AVX2" : "portable") + ", " +
                            (way.threads == 1 ? "1 thread" : std::to_string(way.threads) + " threads") +
-                           (way.energy ? ", ledger" : "");
+                           (way.energy ? ", ledger" : "") + (way.mixed ? ", mixed" : "");
   const double off = misplaced(*simulation, bed);
   simulation->advance(warm_up, time_step);
   const dem::Counts counts = simulation->counts();
@@ -212,6 +214,7 @@ int main(int argc, char** argv) try {
   const Options options = read(argc, argv);
   if (!std::getenv("OMP_WAIT_POLICY")) {  // the library reads it when a program starts
     setenv("OMP_WAIT_POLICY", "passive", 1);
+    setenv("GOMP_SPINCOUNT", "1000", 0);
     execv("/proc/self/exe", argv);
   }
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
@@ -219,16 +222,28 @@ int main(int argc, char** argv) try {
     compare("benchmark A", "sphere", sphere_bed(options.spheres),
             {{0, 1, false},
              {0, 1, true},
+             {0, 1, false, true},
+             {0, 1, true, true},
              {0, 2, false},
              {0, 2, true},
+             {0, 2, false, true},
              {2, 1, false},
              {2, 1, true},
+             {2, 1, false, true},
              {2, 2, false},
              {2, 2, true}},
             options);
   if (options.only != "A") {
     compare("benchmark B", "clump", clump_bed(options.clumps, dem::read_spheres(options.stone)),
-            {{0, 1, false}, {0, 1, true}, {0, 2, false}, {0, 2, true}, {2, 1, false}, {2, 2, false}}, options);
+            {{0, 1, false},
+             {0, 1, true},
+             {0, 1, false, true},
+             {0, 2, false},
+             {0, 2, true},
+             {2, 1, false},
+             {2, 1, false, true},
+             {2, 2, false}},
+            options);
   }
 } catch (const std::exception& error) {
   std::cerr << error.what() << '\n';

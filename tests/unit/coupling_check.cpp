@@ -12,12 +12,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string check_of(const std::string& text, std::vector<coupling::Override> overrides = {}) {
+std::string check_of(const std::string& text, std::vector<coupling::Override> overrides = {},
+                     const std::string& backend = "omp") {
   const fs::path file = fs::temp_directory_path() / ("trackbed_check_" + std::to_string(getpid()) + ".toml");
   std::ofstream(file) << text;
   coupling::RunOptions options;
   options.scene = file;
-  options.backend = "omp";
+  options.backend = backend;
   options.overrides = std::move(overrides);
   std::string said;
   try {
@@ -61,6 +62,14 @@ TEST(Check, GrainsAloneStartNoFiniteElements) {
   expect_in(text, "coupling: none: no exchange\n");
   expect_in(text, "stage fall: 1 s, measured from its start\n");
   expect_in(text, "0 FEM steps\n");
+}
+
+TEST(Check, PrecisionIsNamed) {
+  expect_in(check_of(one_grain), "precision: double\n");
+  expect_in(check_of(one_grain, {{"grains.precision", "mixed"}}),
+            "precision: mixed: contacts between grains in single");
+  expect_in(check_of(one_grain, {{"grains.precision", "single"}}), "grains.precision = \"single\"");
+  expect_in(check_of(one_grain, {{"grains.precision", "mixed"}}, "cuda"), "--backend cuda");
 }
 
 TEST(Check, LawsAreNamedPairByPair) {
