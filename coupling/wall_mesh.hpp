@@ -5,6 +5,7 @@
 
 namespace coupling {
 
+/// The faces of a solid look outwards; other surfaces stay as their file has them.
 /// Throws base::UserError (file unreadable, no facets, unknown mesh parameter).
 base::Skin read_wall_mesh(const WallScene&);
 

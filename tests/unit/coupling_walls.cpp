@@ -1,6 +1,7 @@
 // Walls that move in scenes: what is read, what is refused, and probes of probes.
 #include <gtest/gtest.h>
 
+#include "coupling/wall_mesh.hpp"
 #include "tests/unit/coupling_scene_file.hpp"
 
 namespace {
@@ -128,6 +129,26 @@ TEST_F(SceneFile, MistakesInProbesOfProbes) {
   const std::string result = "[[result]]\nname = \"r\"\nprobe = \"push\"\n";
   EXPECT_NE(error(result + "take = \"at\"\nover = \"way\"\n").find("\"level\" is missing"), std::string::npos);
   EXPECT_NE(error(result + "level = \"1 mm\"\n").find("only take = \"at\" has a level"), std::string::npos);
+}
+
+// Faces as gmsh makes them: those of an extruded solid look either way.
+TEST(WallMesh, FacesOfASolidLookOutwards) {
+  coupling::WallScene wall;
+  wall.name = "sleeper";
+  wall.mesh = TRACKBED_SOURCE_FOLDER "/meshes/box.geo";
+  wall.mesh_parameters = {{"length", 2.0}, {"cells_x", 3}, {"cells_y", 2}, {"cells_z", 1}};
+  wall.translation = {-1, 5, 0.4};
+  const base::Skin skin = coupling::read_wall_mesh(wall);
+  EXPECT_EQ(skin.facets.size(), 2u * (3 * 2 + 3 * 1 + 2 * 1));
+  base::Vec3 area;
+  for (const auto& facet : skin.facets) {
+    const auto node = [&](int k) { return skin.nodes[static_cast<std::size_t>(facet[static_cast<std::size_t>(k)])]; };
+    const base::Vec3 middle = 0.25 * (node(0) + node(1) + node(2) + node(3));
+    const base::Vec3 normal = 0.5 * cross(node(2) - node(0), node(3) - node(1));
+    EXPECT_GT(dot(normal, middle - base::Vec3{0, 5, 0.4}), 0) << middle.x << ' ' << middle.y << ' ' << middle.z;
+    area += normal;
+  }
+  EXPECT_LT(norm(area), 1e-12);
 }
 
 }  // namespace
