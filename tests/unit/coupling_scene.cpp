@@ -113,7 +113,7 @@ TEST_F(SceneFile, EveryMistakeHasItsLineItsRuleAndItsRemedy) {
   EXPECT_EQ(error_of(scene + stage),
             "a.toml:12: stage.fall.name = \"fall\"; a stage of this name stands at a.toml:9; rename one");
   EXPECT_EQ(error_of(scene + "hold = [\"sleeper\"]\n"),
-            "a.toml:11: stage.fall.hold = \"sleeper\"; no such body; known bodies and mesh walls: none");
+            "a.toml:11: stage.fall.hold = \"sleeper\"; no such body; known bodies: none");
   EXPECT_EQ(error_of(scene + "ramp_stiffness = true\n"),
             "a.toml:11: stage.fall.ramp_stiffness = true; there is no packing whose modulus could be ramped; remove "
             "it, or add "
@@ -346,7 +346,7 @@ TEST(List, EveryFamilyHasTextAndAnUnknownOneIsRefused) {
   } catch (const base::UserError& error) {
     EXPECT_STREQ(error.what(),
                  "list histroies: no such family; did you mean \"histories\"? choose one of: laws, rolling, elements, "
-                 "materials, histories, loads, probes, results, scene");
+                 "materials, histories, loads, gradings, probes, results, scene");
   }
 }
 
