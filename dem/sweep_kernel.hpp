@@ -66,8 +66,7 @@ void sweep(const SweepInput& in, SweepSums& sums) {
 
     const Vector3<R>& f = contact.force;
     R braking{};
-    if constexpr (braked)
-      braking = all<R>(in.parameters->rolling_friction) * touch.effective_radius * contact.normal_force;
+    if constexpr (braked) braking = all<R>(in.parameters->rolling_friction) * smaller * contact.normal_force;
     const R on_i[4] = {f.x, f.y, f.z, braking}, on_j[4] = {-f.x, -f.y, -f.z, braking};
     scatter(in.pull, stride, in.to_first + block * W, in.to_second + block * W, on_i, on_j);
     if constexpr (Turns) {

@@ -105,9 +105,7 @@ struct ContactPass {
 
     PairForce& row = result[c];
     row.force = contact.force;
-    row.rolling = material.rolling == rolling_brof
-                      ? material.rolling_friction * touch.effective_radius * contact.normal_force
-                      : 0;
+    row.rolling = material.rolling == rolling_brof ? material.rolling_friction * smaller * contact.normal_force : 0;
     row.moment = cross(touch.normal, contact.force);
     row.half_overlap = 0.5 * touch.overlap;
     if constexpr (Ledger) {

@@ -4,12 +4,16 @@
 //
 //   T_stop = -(I omega / dt + sum of the contact torques)
 //   T_r    = T_stop                                     if |T_stop| <= sum e_c |F_n|
-//          = T_stop / |T_stop| * sum e_c |F_n|          otherwise,          e_c = eta_r R*
+//          = T_stop / |T_stop| * sum e_c |F_n|          otherwise,          e_c = eta_r min(R_i, R_j)
 // Source: Irazabal Gonzalez 2017 (PhD thesis, UPC Barcelona), eqs. 5.2-5.5.
 //
 // Where we differ from the source: 5.4 is printed as I omega dt, which is no torque (it must be I omega / dt), and with
 // a sign that makes 5.5 drive the rotation in its second branch and brake it in its first; T_stop above brakes in both.
-// omega is the velocity half a step ago, the one that the leapfrog step is about to change.
+// e_c: 5.2, 5.3 print eta_r R_i R_j / (R_i + R_j), the arm of the classical model A; the thesis' own program (Kratos,
+// DEM application) takes eta_r times the smaller radius, twice as much between equal grains. With the printed arm a
+// heap at eta_r = 0.2 lies at 32 degrees, far from the 40 of Fig. 6.4: the figures were made with the smaller radius,
+// so it is taken here. Against a wall both are eta_r R. omega is the velocity half a step ago, the one that the
+// leapfrog step is about to change.
 //
 // Limits: BROF acts on each grain by its own rotation. It is not action = reaction for moments: the torque on i has no
 // counterpart on j, so the angular momentum of a group of grains is not conserved by it.

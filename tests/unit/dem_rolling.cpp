@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 
+#include "dem/dem.hpp"
 #include "dem/kernels/rolling.hpp"
 
 using base::Vec3;
@@ -60,4 +62,35 @@ TEST(Rolling, HoldsAgainstSmallTorque) {
   }
   EXPECT_LT(norm(spin), 1e-18);
   EXPECT_LT(loss, 1e-18);
+}
+
+// A grain that spins between two smaller ones, all three pressed into a row by smooth walls: it slows down as
+// I domega/dt = -2 eta min(R_i, R_j) F, the smaller ones do not turn. One contact after the other and swept.
+TEST(Rolling, LimitOfTwoGrainsIsThatOfTheSmallerOne) {
+  const double large = 0.02, small = 0.015, overlap = 1e-6, eta = 0.2, density = 2500, step = 1e-6;
+  for (const int lanes : {1, 0}) {
+    dem::Setup setup;
+    setup.materials = {{"stone", 1e8, 0.25, density}, {"wall", 1e8, 0.25, 0}};
+    const dem::Interaction grains{1e-9, 1, eta}, smooth{};
+    setup.interactions = {grains, smooth, smooth, smooth};
+    setup.lanes = lanes;
+    const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+    const double apart = large + small - overlap;
+    sim->add_grains(
+        std::vector<dem::Grain>{{.position = {0, 0, 0}, .radius = large, .angular_velocity = {0, 0, 10}, .id = 0},
+                                {.position = {-apart, 0, 0}, .radius = small, .id = 1},
+                                {.position = {apart, 0, 0}, .radius = small, .id = 2}});
+    // Walls that press as hard as the grains on each other: F ~ sqrt(R*) overlap^1.5.
+    const double reduced = large * small / (large + small);
+    const double at_wall = overlap * std::cbrt(reduced / small);
+    for (const double side : {-1.0, 1.0}) sim->add_plane({{side * (apart + small - at_wall), 0, 0}, {-side, 0, 0}}, 1);
+    sim->advance(1000, step);
+    const double force = 4.0 / 3.0 * (1e8 / (2 * (1 - 0.0625))) * std::sqrt(reduced) * std::pow(overlap, 1.5);
+    const double moment = 0.4 * density * 4.0 / 3.0 * std::numbers::pi * std::pow(large, 5);
+    const auto now = sim->grains();
+    EXPECT_NEAR(10 - now[0].angular_velocity.z, 2 * eta * small * force / moment * 1000 * step,
+                1e-3 * 2 * eta * small * force / moment * 1000 * step)
+        << lanes;
+    EXPECT_EQ(norm(now[1].angular_velocity), 0) << lanes;
+  }
 }
