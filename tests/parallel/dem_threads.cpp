@@ -69,7 +69,7 @@ Outcome run(const Case& c) {
   sim->add_grains(grains);
   std::vector<dem::Bond> bonds;
   if (c.bonds)
-    for (const auto& [i, j] : dem::pairs_within(grains, 0)) bonds.push_back({i, j, {0.01, 1e9, 5e8, 5e4, 5e4}});
+    for (const auto& [i, j] : dem::pairs_within(grains, 0)) bonds.push_back({i, j, {0.01, 1e9, 5e8, 3e5, 3e5}});
   sim->add_bonds(bonds);
   base::Skin floor;
   for (int i = 0; i <= 5; ++i)
