@@ -150,6 +150,10 @@ std::string grains_text(const Setup& setup, const GrainEstimate& estimate) {
   std::string text =
       fmt::format("grains: {}, diameters {:.1f} .. {:.1f} mm\n", estimate.source, 1e3 * smallest, 1e3 * largest);
   text += "  shapes: " + shapes_text(estimate, part) + "\n";
+  for (int axis = 0; axis < 3; ++axis)
+    if (const dem::Period& along = part.periods[static_cast<std::size_t>(axis)]; along.length > 0)
+      text +=
+          fmt::format("  periodic along {}: {:g} .. {:g} m\n", "xyz"[axis], along.lower, along.lower + along.length);
   text += fmt::format("  rotations: {}\n", part.rotations ? "on" : "off: no angular velocities");
   text += fmt::format("  friction: {}\n", any(&dem::Interaction::friction) ? "on, with contact history" : "off");
   text += fmt::format("  contact law: {}\n", of_every_pair(part, [](const auto& pair) { return pair.law; }));

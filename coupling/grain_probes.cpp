@@ -189,7 +189,28 @@ bool is_slow(ProbeKind kind) {
   }
 }
 
-double measure_grains(const Probe& probe, GrainCopies& copies, std::span<const GrainShape> shapes) {
+namespace {
+
+/// The spheres, and where space is periodic their images about it.
+std::vector<dem::GrainSphere> with_images(std::vector<dem::GrainSphere> spheres,
+                                          const std::array<dem::Period, 3>& periods) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = periods[static_cast<std::size_t>(axis)].length;
+    if (length == 0) continue;
+    const std::size_t count = spheres.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      for (const double shift : {-length, length}) {
+        spheres.push_back(spheres[k]);
+        spheres.back().position[axis] += shift;
+      }
+    }
+  }
+  return spheres;
+}
+
+}  // namespace
+
+double measure_grains(const Probe& probe, GrainCopies& copies, const GrainsScene& scene) {
   const GrainProbe& look = probe.look;
   const auto forces = [&] {
     return dem::contact_forces(look.region ? &*look.region : nullptr, copies.contacts(),
@@ -200,7 +221,7 @@ double measure_grains(const Probe& probe, GrainCopies& copies, std::span<const G
   };
   switch (probe.kind) {
     case ProbeKind::porosity:
-      return porosity(copies.spheres(), *look.region, porosity_lattice);
+      return porosity(with_images(copies.spheres(), scene.periods), *look.region, porosity_lattice);
     case ProbeKind::coordination:
       return numbers().coordination;
     case ProbeKind::rattlers:
@@ -219,7 +240,7 @@ double measure_grains(const Probe& probe, GrainCopies& copies, std::span<const G
     case ProbeKind::heap_angle:
       return heap(look, copies.spheres());
     case ProbeKind::passing:
-      return passing(look, copies.grains(), shapes);
+      return passing(look, copies.grains(), scene.shapes);
     default:
       throw base::InternalError("no probe of grains in a region");
   }

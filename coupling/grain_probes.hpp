@@ -39,7 +39,7 @@ bool measures_grains(ProbeKind);
 /// True for kinds that cost more than some steps: taken with every picture, not with every row of history.csv.
 bool is_slow(ProbeKind);
 /// Value of the probe [SI], without its scale.
-double measure_grains(const Probe&, GrainCopies&, std::span<const GrainShape>);
+double measure_grains(const Probe&, GrainCopies&, const GrainsScene&);
 
 /// The grain that a probe follows, and where that stood when it was chosen.
 struct GrainMark {

@@ -66,6 +66,7 @@ Packer::Packer(const Scene& scene, const std::vector<base::Skin>& skins, dem::Ba
   setup.interactions.assign(setup.materials.size() * setup.materials.size(), scene.grains->interactions.front());
   setup.gravity = scene.gravity;
   setup.skin = scene.grains->neighbour_skin;
+  setup.periods = scene.grains->periods;
   setup.track_energy = false;
   simulation_ = dem::Simulation::create(setup, backend);
   add_shapes(*simulation_, scene.grains->shapes);
@@ -122,8 +123,7 @@ void Packer::use_interactions(Friction friction) {
     for (int b = a; b < all; ++b) {
       dem::Interaction pair = scene_.grains->interactions[static_cast<std::size_t>(in_scene(a) * count + in_scene(b))];
       if (friction == Friction::of_packing) {
-        pair.friction = std::min(pair.friction, packing_.friction);
-        pair.rolling_friction = std::min(pair.rolling_friction, packing_.rolling_friction);
+        pair = while_packing(pair, packing_);
         if (a == b && a >= count) pair.friction = loose[static_cast<std::size_t>(a - count)];
       } else if (friction == Friction::none) {
         pair.friction = pair.rolling_friction = 0;
@@ -141,7 +141,9 @@ void Packer::add_walls() {
                                  : simulation_->add_mesh(region_.wall_surface(number), wall.material, wall.two_sided);
     if (wall.packing_only) temporary_walls_.push_back(added);
   }
-  for (const dem::Plane& side : region_.sides()) temporary_walls_.push_back(simulation_->add_plane(side, 0));
+  for (const dem::Plane& side : region_.sides()) {
+    if (!cuts_period(side, scene_.grains->periods)) temporary_walls_.push_back(simulation_->add_plane(side, 0));
+  }
 }
 
 void Packer::bring_bodies(std::size_t layer) {

@@ -97,6 +97,13 @@ void judge(const Packing& packing, const PackingReport& report) {
 
 }  // namespace
 
+dem::Interaction while_packing(const dem::Interaction& between, const Packing& packing) {
+  dem::Interaction smooth = between;
+  smooth.friction = std::min(between.friction, packing.friction);
+  smooth.rolling_friction = std::min(between.rolling_friction, packing.rolling_friction);
+  return smooth;
+}
+
 std::vector<dem::Grain> pack(const Scene& scene, const std::vector<base::Skin>& skins, dem::Backend backend,
                              PackingReport& report) {
   base::require_internal(scene.grains && scene.grains->packing, "pack() needs a scene with a packing");

@@ -32,6 +32,9 @@ struct PackingReport {
 /// not look at that number.
 std::vector<dem::Grain> pack(const Scene&, const std::vector<base::Skin>& skins, dem::Backend, PackingReport&);
 
+/// The interaction with the frictions of the packing, where they are the lower ones.
+dem::Interaction while_packing(const dem::Interaction&, const Packing&);
+
 /// Methods, target and regions of a packing, for `trackbed check`.
 std::string packing_text(const Packing&);
 

@@ -214,6 +214,7 @@ std::string packing_key(const Scene& scene, const std::vector<base::Skin>& skins
     for (const auto& constant : contact_constants())
       std::visit([&](const auto member) { hash.add(i.*member); }, constant.member);
   }
+  for (const dem::Period& along : grains.periods) hash.add(along.lower), hash.add(along.length);
   for (const dem::Grain& grain : grains.list) hash.add(static_cast<std::uint64_t>(grain.id));
   for (const auto& [body, material] : grains.body_material) hash.add(body), hash.add(material);
   for (const GrainShape& shape : grains.shapes)

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "coupling/grain_files.hpp"
+#include "coupling/packing.hpp"
 
 namespace coupling {
 
@@ -68,6 +69,7 @@ void RunLoop::begin(const Stage& stage) {
   if (setup_.grains) {
     setup_.grains->set_grain_damping(stage.grain_damping);
     if (!stage.ramp_stiffness) setup_.grains->set_material(0, scene.grains->materials[0]);
+    if (stage.packing_friction != packing_friction_) use_friction(stage.packing_friction);
     begin_walls();
   }
   if (setup_.bodies)
@@ -80,6 +82,18 @@ void RunLoop::begin(const Stage& stage) {
   const bool any_measured =
       std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.measure; });
   if (stage.measure || (!any_measured && stage_ == 0)) zero();
+}
+
+void RunLoop::use_friction(bool of_packing) {
+  packing_friction_ = of_packing;
+  const GrainsScene& grains = *setup_.scene.grains;
+  const int count = static_cast<int>(grains.materials.size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a; b < count; ++b) {
+      const dem::Interaction& pair = grains.interactions[static_cast<std::size_t>(a * count + b)];
+      setup_.grains->set_interaction(a, b, of_packing ? while_packing(pair, *grains.packing) : pair);
+    }
+  }
 }
 
 /// What the scene wants of its walls from the start of this stage on.
@@ -139,7 +153,8 @@ void RunLoop::zero() {
 }
 
 std::unique_ptr<dem::Writer> RunLoop::make_writer(std::span<const dem::Grain> reference) const {
-  return std::make_unique<dem::Writer>(directory_, reference, clumps(setup_.scene.grains->shapes));
+  return std::make_unique<dem::Writer>(directory_, reference, clumps(setup_.scene.grains->shapes),
+                                       setup_.scene.grains->periods);
 }
 
 /// Geometric path of the grains' modulus from its packing to its loading value.
@@ -300,6 +315,7 @@ void RunLoop::run(std::optional<double> until) {
   const auto& output = setup_.scene.output;
   const auto start = Clock::now();
   FailureText stop;
+  const bool steered = steers_walls();
   stop = caught([&] {
     for (const auto& stage : setup_.scene.stages) {
       setup_.choose_window(std::numeric_limits<double>::infinity());
@@ -313,10 +329,10 @@ void RunLoop::run(std::optional<double> until) {
         double instant = std::min(end, next_picture);
         if (output.probe_interval > 0) instant = std::min(instant, next_probe);
         if (stage.ramp_stiffness) instant = std::min(instant, time_ + 16 * setup_.window.dt_dem);
-        if (steers_walls()) instant = std::min(instant, time_ + 32 * setup_.window.dt_dem);
+        if (steered) instant = std::min(instant, time_ + 32 * setup_.window.dt_dem);
         setup_.aim_at(instant - time_);
         if (stage.ramp_stiffness && (alone || window % 16 == 0)) ramp((time_ - first) / stage.duration);
-        if (setup_.grains && steers_walls()) load_walls();
+        if (setup_.grains && steered) load_walls();
         if (!step_window()) raise({Failure::internal, ""});
         // An instant has come when the middle of the next window (or of the next step, where windows are cut to fit)
         // would lie beyond it.

@@ -32,6 +32,7 @@ class RunLoop {
   void begin_walls();
   void load_walls();
   void zero();
+  void use_friction(bool of_packing);
   void ramp(double share);
   bool steers_walls() const;  // some wall is pulled by a load that may change
   bool step_window();         // false: this rank or the other side has failed
@@ -57,6 +58,7 @@ class RunLoop {
   Ledger ledger_;
   double time_ = 0, total_ = 0;
   int stage_ = 0;
+  bool packing_friction_ = false;             // grains have the friction of their packing
   bool measuring_ = false, removed_ = false;  // removed: walls, at the start of this stage
   double smallest_contact_step_ = 0;
   int samples_since_bound_ = 0;

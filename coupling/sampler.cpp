@@ -60,7 +60,6 @@ void Sampler::zero() {
 }
 
 Sampler::Sample Sampler::sample(bool thorough) {
-  have_wall_contacts_ = false;
   copies_.forget();
   Sample result{kept_, {}};
   std::vector<double> from_bodies(energy_terms, 0.0);
@@ -138,14 +137,12 @@ double Sampler::combination(const Probe& probe) const {
 }
 
 double Sampler::contact_force(const Probe& probe) const {
-  if (!have_wall_contacts_) wall_contacts_ = grains_->wall_contacts();
-  have_wall_contacts_ = true;
   int wall = -1;
   for (std::size_t s = 0; s < skins_.size(); ++s)
     if (!probe.body.empty() && skins_[s].body == probe.body) wall = walls_[s];
   if (!probe.wall.empty()) wall = wall_number(probe.wall);
   double force = 0;  // [N] of the grains on the surface
-  for (const auto& contact : wall_contacts_)
+  for (const auto& contact : copies_.wall_contacts())
     if (contact.wall == wall && (!probe.box || contains(*probe.box, contact.point)))
       force -= contact.force[probe.component];
   return force;
@@ -164,7 +161,7 @@ double Sampler::grain_probe(const Probe& probe) const {
   if (probe.kind == ProbeKind::contact_stress) return probe.scale * contact_force(probe) / probe.area;
   if (probe.kind == ProbeKind::kinetic_energy) return probe.scale * grains_->energy().kinetic;
   if (probe.kind == ProbeKind::broken_bonds) return probe.scale * static_cast<double>(grains_->broken_bonds());
-  if (measures_grains(probe.kind)) return probe.scale * measure_grains(probe, copies_, scene_.grains->shapes);
+  if (measures_grains(probe.kind)) return probe.scale * measure_grains(probe, copies_, *scene_.grains);
   // Before the measuring has started: what is nearest now.
   if (marks_.count(probe.name) == 0) marks_[probe.name] = mark_grain(probe, copies_.grains());
   const GrainMark& mark = marks_[probe.name];
@@ -173,7 +170,7 @@ double Sampler::grain_probe(const Probe& probe) const {
     case ProbeKind::grain_position:
       return probe.scale * followed.position[probe.component];
     case ProbeKind::grain_displacement:
-      return probe.scale * (followed.position - mark.start)[probe.component];
+      return probe.scale * nearest_image(followed.position - mark.start, scene_.grains->periods)[probe.component];
     case ProbeKind::grain_velocity:
       return probe.scale * followed.velocity[probe.component];
     default:

@@ -52,8 +52,6 @@ class Sampler {
   // copies made once per sample and only when a probe asks for them
   mutable GrainCopies copies_;
   mutable std::map<std::string, GrainMark> marks_;  // by the probe's name
-  mutable std::vector<dem::WallContact> wall_contacts_;
-  mutable bool have_wall_contacts_ = false;
 };
 
 }  // namespace coupling

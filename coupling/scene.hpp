@@ -51,9 +51,10 @@ struct Stage {
   double grain_damping = 0;                    // [1/s] artificial -alpha m v on grains
   std::map<std::string, double> body_damping;  // [1/s] per body, instead of the body's own
   std::vector<std::string> hold;               // bodies fixed in place
-  bool ramp_stiffness = false;  // grains' modulus goes from packing to loading value, geometrically, over the stage
-  bool measure = false;         // the stage whose start is the zero of displacement, energy and results
-  std::string origin;           // file:line
+  bool ramp_stiffness = false;    // grains' modulus goes from packing to loading value, geometrically, over the stage
+  bool packing_friction = false;  // grains keep the friction and rolling friction of their packing
+  bool measure = false;           // the stage whose start is the zero of displacement, energy and results
+  std::string origin;             // file:line
 };
 
 struct WallLoad {
@@ -164,6 +165,14 @@ struct Packing {
   std::string origin;
 };
 
+/// The axis of a periodic direction that the plane cuts.
+inline std::optional<int> cuts_period(const dem::Plane& plane, const std::array<dem::Period, 3>& periods) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (periods[static_cast<std::size_t>(axis)].length > 0 && std::abs(plane.normal[axis]) > 1e-9 * norm(plane.normal))
+      return axis;
+  return std::nullopt;
+}
+
 struct GrainsScene {
   std::vector<dem::Material> materials;        // [0] is the grains' own
   std::vector<dem::Interaction> interactions;  // materials × materials
@@ -171,9 +180,10 @@ struct GrainsScene {
   std::vector<dem::Grain> list;                // grains given one by one ([[grain]])
   std::optional<Packing> packing;
   std::vector<WallScene> walls;
-  double neighbour_skin = 0;     // [m] 0: automatic
-  double maximum_overlap = 0.3;  // overlap / smaller radius above which a run is declared unstable
-  bool rotations = true;         // grains may turn
+  std::array<dem::Period, 3> periods{};  // along x, y, z
+  double neighbour_skin = 0;             // [m] 0: automatic
+  double maximum_overlap = 0.3;          // overlap / smaller radius above which a run is declared unstable
+  bool rotations = true;                 // grains may turn
   dem::kernels::RotationScheme rotation_scheme = dem::kernels::RotationScheme::quaternion;  // of clumps
   Bonding bonding;
   dem::Precision precision = dem::Precision::full;

@@ -34,6 +34,11 @@ void build_stages(Value& root, Scene& scene) {
       fail(row.at("ramp_stiffness"), "there is no packing whose modulus could be ramped",
            "remove it, or add [packing]");
     }
+    stage.packing_friction = row.at("packing_friction").boolean();
+    if (stage.packing_friction && !root.has("packing")) {
+      fail(row.at("packing_friction"), "there is no packing whose friction could be kept",
+           "remove it, or add [packing]");
+    }
     if (stage.grain_damping > 0 && !root.has("grains")) {
       fail(row.at("grain_damping"), "there are no grains to damp", "remove it, or add [grains]");
     }

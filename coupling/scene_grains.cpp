@@ -224,6 +224,43 @@ void build_contact(Value& body, const Value& grains_table, GrainsScene& grains) 
       add_material(grains, {name, constant("young_modulus"), constant("poisson_ratio"), 0}, interaction);
 }
 
+void read_periods(const Value& table, GrainsScene& grains) {
+  for (const auto& row : table.rows("periodic")) {
+    const std::string& axis = row.at("axis").text();
+    dem::Period& along = grains.periods[static_cast<std::size_t>(axis[0] - 'x')];
+    if (along.length > 0) fail(row.at("axis"), axis + " is periodic already", "remove one of the two");
+    along.lower = row.at("lower").real();
+    along.length = row.at("upper").real() - along.lower;
+    if (!(along.length > 0)) fail(row.at("upper"), "does not lie above lower", "swap the two");
+  }
+}
+
+/// Walls and the packing must leave periodic directions open.
+void check_periods(const Value& root, const GrainsScene& grains) {
+  const auto& walls = root.at("wall").list();
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (!grains.walls[w].plane) continue;
+    if (const auto axis = cuts_period(*grains.walls[w].plane, grains.periods))
+      fail(walls[w].at("plane"), fmt::format("cuts the direction {}, which is periodic", "xyz"[*axis]),
+           "remove the wall, or the [[grains.periodic]] of this axis");
+  }
+  if (!grains.packing) return;
+  const auto& layers = root.at("packing").at("layer").list();
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    const Box& box = grains.packing->layers[k].box;
+    for (int axis = 0; axis < 3; ++axis) {
+      const dem::Period& along = grains.periods[static_cast<std::size_t>(axis)];
+      const double slack = 1e-9 * along.length;
+      if (along.length > 0 &&
+          (box.lower[axis] < along.lower - slack || box.upper[axis] > along.lower + along.length + slack))
+        fail(layers[k].at("box"),
+             fmt::format("reaches beyond the periodic faces {} = {:g} m and {:g} m", "xyz"[axis], along.lower,
+                         along.lower + along.length),
+             "end the box at the faces");
+    }
+  }
+}
+
 }  // namespace
 
 void build_grains(Value& root, Scene& scene) {
@@ -255,6 +292,7 @@ void build_grains(Value& root, Scene& scene) {
   if (scheme == "runge_kutta") grains.rotation_scheme = dem::kernels::RotationScheme::runge_kutta;
   if (scheme == "direct") grains.rotation_scheme = dem::kernels::RotationScheme::direct;
   if (table.at("precision").text() == "mixed") grains.precision = dem::Precision::mixed;
+  read_periods(table, grains);
   read_shapes(table, grains);
   for (auto& row : singles) {
     dem::Grain grain = read_grain(row, table, grains);
@@ -265,6 +303,7 @@ void build_grains(Value& root, Scene& scene) {
   for (auto& row : walls) grains.walls.push_back(read_wall(row, table, scene, grains));
   for (auto& row : root.at("body").list()) build_contact(row, table, grains);
   if (root.has("packing")) grains.packing = read_packing(root.at("packing"), root, contact);
+  check_periods(root, grains);
   scene.grains = std::move(grains);
 }
 

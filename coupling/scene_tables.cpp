@@ -97,6 +97,16 @@ const Table& shape_table() {
   return table;
 }
 
+const Table& periodic_table() {
+  static const Table table{
+      "grains.periodic",
+      "a direction in which space repeats itself: grains that leave at one face come in at the other. Walls do not "
+      "repeat: a mesh that carries grains must reach beyond the faces by the largest grain's radius",
+      {base::text("axis", "of the direction").among({"x", "y", "z"}), base::real("lower", "m", "place of the one face"),
+       base::real("upper", "m", "place of the other")}};
+  return table;
+}
+
 const Table& grains_table() {
   static const Table table{
       "grains", "what all grains share; without this table there is no DEM",
@@ -104,6 +114,7 @@ const Table& grains_table() {
           {base::table("material", grain_material_table(), "of the grains"),
            base::tables("shape", shape_table(), "shapes that grains may have").otherwise_empty(),
            base::table("bond", bonds_table(), "cement between grains").optional("no bonds, or only [[bond]]"),
+           base::tables("periodic", periodic_table(), "directions in which space repeats itself").otherwise_empty(),
            base::boolean("rotations", "grains may turn").otherwise(true),
            base::text("rotation_scheme", "how clumps turn (Irazabal2017 5.3.1). Packings take quaternion")
                .among({"quaternion", "runge_kutta", "direct"})
@@ -292,6 +303,8 @@ const Table& stage_table() {
            .otherwise_empty(),
        base::texts("hold", "bodies fixed in place").otherwise_empty(),
        base::boolean("ramp_stiffness", "grains' modulus goes from its packing to its loading value").otherwise(false),
+       base::boolean("packing_friction", "grains keep the friction and rolling friction of their packing")
+           .otherwise(false),
        base::boolean("measure", "its start is the zero of displacement, energy and results").otherwise(false)}};
   return table;
 }

@@ -135,6 +135,7 @@ void Setup::place_grains(Summary& summary) {
     dem_setup.rotation_scheme = part.rotation_scheme;
     dem_setup.time_scheme = scene.time.integrator;
     dem_setup.precision = part.precision;
+    dem_setup.periods = part.periods;
     dem_setup.maximum_overlap = part.maximum_overlap;
     grains = dem::Simulation::create(dem_setup, backend);
     add_shapes(*grains, part.shapes);

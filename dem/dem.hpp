@@ -99,6 +99,18 @@ struct WallBodyState {
 enum class TimeScheme { velocity_verlet, symplectic_euler };
 enum class Precision { full, mixed };
 
+/// A direction in which space repeats itself: what leaves at one face comes in at the other.
+struct Period {
+  double lower = 0, length = 0;  // [m] length 0: not periodic
+};
+/// The shortest of all differences that two places have [m].
+inline Vec3 nearest_image(Vec3 difference, const std::array<Period, 3>& periods) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (const double length = periods[static_cast<std::size_t>(axis)].length; length > 0)
+      difference[axis] -= length * std::round(difference[axis] / length);
+  return difference;
+}
+
 struct Setup {
   std::vector<Material> materials;
   std::vector<Interaction> interactions;  // row-major materials × materials, symmetric
@@ -111,6 +123,10 @@ struct Setup {
   kernels::RotationScheme rotation_scheme = kernels::RotationScheme::quaternion;  // of clumps
   int lanes = 0;  // OMP: pairs taken at once, 2 or 4; 1: one by one, as on a GPU; 0: what suits this machine
   Precision precision = Precision::full;
+  /// Along x, y, z. Positions of grains lie between the faces whenever lists are made (a clump's: its centre), so they
+  /// jump by a period. Walls do not repeat: a floor must reach beyond the faces by the largest grain, planes must not
+  /// cut the direction. Each length at least 4 times the largest grain's radius (a clump's reach) plus the skin twice.
+  std::array<Period, 3> periods{};
 };
 
 struct StableStep {
@@ -130,6 +146,7 @@ struct GrainContact {
   Vec3 position_i, position_j;
   Vec3 force;          // [N] on i
   double overlap = 0;  // [m]
+  Vec3 period{};       // [m] j is met where it lies plus this (position_j has it), across a periodic face
 };
 /// One grain–wall contact that carries force.
 struct WallContact {

@@ -155,7 +155,8 @@ std::vector<SymmetricStress> grain_stress(std::span<const Grain> grains, std::sp
     add(
         contact.id_i, [&](const Grain& grain) { return lever(grain, contact.position_i, 1); }, contact.force);
     add(
-        contact.id_j, [&](const Grain& grain) { return lever(grain, contact.position_j, -1); }, -contact.force);
+        contact.id_j, [&](const Grain& grain) { return lever(grain, contact.position_j - contact.period, -1); },
+        -contact.force);
   }
   for (const auto& contact : wall_contacts)
     add(
@@ -167,9 +168,11 @@ std::vector<SymmetricStress> grain_stress(std::span<const Grain> grains, std::sp
   return stress;
 }
 
-Writer::Writer(fs::path run_directory, std::span<const Grain> reference, std::vector<Clump> shapes)
+Writer::Writer(fs::path run_directory, std::span<const Grain> reference, std::vector<Clump> shapes,
+               const std::array<Period, 3>& periods)
     : run_directory_(std::move(run_directory)),
       shapes_(std::move(shapes)),
+      periods_(periods),
       grains_collection_(run_directory_ / "grains.pvd"),
       contacts_collection_(run_directory_ / "contacts.pvd") {
   make_folder(run_directory_ / "grains");
@@ -215,7 +218,8 @@ void Writer::write(double time, std::span<const Grain> grains, std::span<const G
     set_vector(velocity, i, grain.velocity);
     set_vector(angular_velocity, i, grain.angular_velocity);
     const auto start = reference_.find(grain.id);
-    set_vector(displacement, i, start == reference_.end() ? Vec3{} : grain.position - start->second);
+    set_vector(displacement, i,
+               start == reference_.end() ? Vec3{} : nearest_image(grain.position - start->second, periods_));
     contacts->SetValue(item, contact_numbers[g]);
     stress->SetTuple(item, stress_values[g].data());
     vertical_stress->SetValue(item, static_cast<float>(stress_values[g][2]));

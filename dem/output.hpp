@@ -40,12 +40,13 @@ std::vector<SymmetricStress> grain_stress(std::span<const Grain> grains, std::sp
 class Writer {
  public:
   /// Makes RUN/grains. `reference`: the grains whose positions are the zero of displacement.
-  Writer(std::filesystem::path run_directory, std::span<const Grain> reference, std::vector<Clump> shapes = {});
+  Writer(std::filesystem::path run_directory, std::span<const Grain> reference, std::vector<Clump> shapes = {},
+         const std::array<Period, 3>& periods = {});
 
   /// RUN/grains/grains_NNNN.vtp and a line in RUN/grains.pvd. A point for every sphere of every grain, with the
   /// sphere's radius [m] and its grain's id, velocity [m/s], angular_velocity [rad/s], displacement [m] of the centre
-  /// since the reference (zero for a grain it does not hold), coordination [-] (grains and wall contacts it has),
-  /// stress [Pa] and vertical_stress [Pa] (its zz component).
+  /// since the reference (zero for a grain it does not hold; to the nearest image), coordination [-] (grains and wall
+  /// contacts it has), stress [Pa] and vertical_stress [Pa] (its zz component).
   void write(double time, std::span<const Grain>, std::span<const GrainContact>, std::span<const WallContact>);
 
   /// RUN/contacts/contacts_NNNN.vtp and a line in RUN/contacts.pvd: one segment per contact, centre to centre, or
@@ -56,6 +57,7 @@ class Writer {
  private:
   std::filesystem::path run_directory_;
   std::vector<Clump> shapes_;
+  std::array<Period, 3> periods_;
   std::unordered_map<std::int64_t, Vec3> reference_;  // [m] position by grain id
   base::Pvd grains_collection_, contacts_collection_;
   int grain_levels_ = 0, contact_levels_ = 0;

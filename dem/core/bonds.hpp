@@ -7,6 +7,7 @@
 
 #include "dem/bond.hpp"
 #include "dem/core/grains.hpp"
+#include "dem/core/periodic.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -33,13 +34,14 @@ struct BondPass {
   BondPull* pull;
   BondLedger* ledger;  // null: not tracked
   double ended;        // [s] step that ends; 0: none does
+  Periods periods;
 
   TRACKBED_FLATTEN TRACKBED_HD void operator()(int b) const {
     pull[b] = {};
     BondRow& bond = row[b];
     if (!(bond.is.radius > 0)) return;
     const int i = end[2 * b], j = end[2 * b + 1], of_i = body ? body[i] : i, of_j = body ? body[j] : j;
-    const Vec3 between = place[i].position - place[j].position;
+    const Vec3 between = periods.shortest(place[i].position - place[j].position);
     const double distance = norm(between);
     kernels::BondMotion motion;
     motion.overlap = place[i].radius + place[j].radius - distance;
@@ -163,9 +165,10 @@ struct Bonds {
   }
 
   /// Forces at the present positions, added to the grains' pulls.
-  void press(Grains& grains, const Rows<const Quad>& state, const Vector<int>& body_of_sphere, double ended) {
+  void press(Grains& grains, const Rows<const Quad>& state, const Vector<int>& body_of_sphere, double ended,
+             const Periods& periods) {
     launch(size(), BondPass{pointer(grains.place), state, pointer(body_of_sphere), pointer(end), pointer(row),
-                            pointer(pull), pointer(ledger), ended});
+                            pointer(pull), pointer(ledger), ended, periods});
     launch(static_cast<int>(entry.size()),
            GatherBonds{pointer(grain), pointer(entry), static_cast<int>(entry.size()), pointer(pull), grains.pulls()});
   }

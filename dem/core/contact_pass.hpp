@@ -60,8 +60,8 @@ struct PairGeometry {
 template <class Law>
 struct ContactPass {
   PairGeometry geometry;
-  const int *first, *second;
-  const int* pair;  // index into parameters; null: one material
+  const int *first, *second;  // rows
+  const int* pair;            // index into parameters; null: one material
   const kernels::PairParameters* parameters;
   double* history;  // history_stride numbers per pair
   int history_stride;

@@ -128,7 +128,7 @@ struct Grains {
     keep(order);
   }
 
-  /// Rows past the grains that touch nothing.
+  /// Rows past the grains that touch nothing: of images, until these are put in their places, and spare ones.
   void make_spare_rows(int rows) {
     const std::size_t n = id.size();
     append(place, std::vector<Place>(rows, {{}, -1}), n);

@@ -2,6 +2,7 @@
 // Half list of candidate pairs: every two grains whose surfaces are nearer than the skin, once, in the row of the grain
 // with the lower index, sorted. `other` lists for each grain the pairs in which it is the second one.
 #include "dem/core/cell_grid.hpp"
+#include "dem/core/periodic.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -12,11 +13,24 @@ struct PairSearch {
   const int* body;   // of each sphere; null: each is its own
   const Place* place;
   double skin;
+  Periods periods{};
 
   /// Calls visit(j) for every neighbour of grain g.
   template <class Visit>
   TRACKBED_HD void neighbours(int g, Visit&& visit) const {
     const Place p = place[g];
+    neighbours_at(g, p, visit);
+    if (!periods.any()) return;
+    for (int shift = 0; shift < 27; ++shift) {
+      if (shift == no_shift || !periods.exists(shift)) continue;
+      const Place moved{p.position - periods.vector(shift), p.radius};
+      if (periods.near_domain(moved.position)) neighbours_at(g, moved, visit);
+    }
+  }
+
+  /// The same if it were at p.
+  template <class Visit>
+  TRACKBED_HD void neighbours_at(int g, const Place& p, Visit&& visit) const {
     const long long cx = grid.cell(p.position.x), cy = grid.cell(p.position.y), cz = grid.cell(p.position.z);
     for (int dz = -1; dz <= 1; ++dz)
       for (int dy = -1; dy <= 1; ++dy)

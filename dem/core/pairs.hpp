@@ -9,6 +9,7 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 struct PairColumns {
   Vector<int> own_start, other_start, other;  // per grain
   Vector<int> first, second;                  // per pair
+  Vector<int> second_row;                     // image that stands for the second; empty: no periods
   Vector<int> pair;                           // empty: one material
   Vector<double> history;                     // history_stride numbers per pair
   int history_stride = 0;
@@ -19,7 +20,8 @@ struct PairColumns {
   int size() const { return static_cast<int>(second.size()); }
   std::size_t bytes() const {
     return bytes_of(own_start) + bytes_of(other_start) + bytes_of(other) + bytes_of(first) + bytes_of(second) +
-           bytes_of(pair) + bytes_of(history) + bytes_of(result) + bytes_of(couple) + bytes_of(ledger);
+           bytes_of(second_row) + bytes_of(pair) + bytes_of(history) + bytes_of(result) + bytes_of(couple) +
+           bytes_of(ledger);
   }
 };
 
@@ -29,6 +31,19 @@ struct PairOptions {
   const kernels::PairParameters* parameters = nullptr;  // on the backend, materials × materials
   bool couples = false;                                 // some rolling model acts in the contact
   bool ledger = true;
+  ImageRows images{};
+};
+
+/// The row of the second grain that a pair reads.
+struct FindImages {
+  Periods periods;
+  ImageRows images;
+  const Place* place;
+  const int *first, *second;
+  int* row;
+  TRACKBED_HD void operator()(int c) const {
+    row[c] = images.row(second[c], periods.nearest(place[first[c]].position - place[second[c]].position));
+  }
 };
 
 /// A new list for grains sorted by bucket; histories come from `old`, whose numbering grains.old_of_new refers to.
@@ -48,6 +63,11 @@ inline PairColumns build_pairs(const Grains& grains, const PairSearch& search, c
   launch(n, FillPairs{search, own_start, other_start, pointer(list.first), pointer(list.second), pointer(list.other)});
   launch(n, LinkOthers{own_start, pointer(list.second), other_start, pointer(list.other)});
 
+  if (search.periods.any()) {
+    list.second_row.resize(pairs);
+    launch(pairs, FindImages{search.periods, options.images, pointer(grains.place), pointer(list.first),
+                             pointer(list.second), pointer(list.second_row)});
+  }
   list.result.resize(pairs);
   if (options.couples) list.couple.resize(pairs);
   if (options.materials > 1) list.pair.resize(pairs);

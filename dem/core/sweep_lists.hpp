@@ -19,9 +19,11 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 
 /// Pairs of one range and one pair of materials, inside the range or across its border.
 struct SweepPairs {
-  Vector<int> start;                // per grain of the range: its first pair
-  Vector<int> first, second;        // grains, first < second
-  Vector<int> to_first, to_second;  // border only: the same, or the spare row for a grain of another range
+  Vector<int> start;          // per grain of the range: its first pair
+  Vector<int> first, second;  // grains, first < second, or the second's image
+  // Where the forces go. Border: the grains, or the spare row for one of another range. Inside: empty, or where space
+  // is periodic the grains whose images are read.
+  Vector<int> to_first, to_second;
   Vector<double> history;
   Vector<float> short_history;  // in mixed precision, instead of the former
   int pairs = 0;
@@ -54,8 +56,11 @@ class SweepLists {
   const SweepLayout& layout() const { return layout_; }
 
   /// Cuts the grains, sorted by bucket, into ranges and lists what is near.
-  void find_near(const PairSearch& search, int grains, int threads) {
+  void find_near(const PairSearch& search, int grains, const Images& images, int threads) {
     old_ = std::move(ranges_);
+    old_images_ = std::move(images_);
+    images_ = images;
+    periods_ = search.periods;
     ranges_.assign(std::max(1, threads), {});
     const int number = static_cast<int>(ranges_.size());
 #pragma omp parallel for schedule(static, 1)
@@ -90,7 +95,8 @@ class SweepLists {
     layout_ = layout;
     const int number = static_cast<int>(ranges_.size());
 #pragma omp parallel for schedule(static, 1)
-    for (int t = 0; t < number; ++t) fill(ranges_[t], grains.size() + t, grains, tight, old_layout, renumbered);
+    for (int t = 0; t < number; ++t)
+      fill(ranges_[t], grains.size() + images_.size() + t, grains, tight, old_layout, renumbered);
     old_.clear();
   }
 
@@ -110,8 +116,8 @@ class SweepLists {
           SweepInput input = rows;
           input.first = pointer(list.first);
           input.second = pointer(list.second);
-          input.to_first = border ? pointer(list.to_first) : input.first;
-          input.to_second = border ? pointer(list.to_second) : input.second;
+          input.to_first = list.to_first.empty() ? input.first : pointer(list.to_first);
+          input.to_second = list.to_second.empty() ? input.second : pointer(list.to_second);
           if (layout_.mixed)
             input.history = pointer(list.short_history);
           else
@@ -136,7 +142,7 @@ class SweepLists {
     return total;
   }
 
-  /// Calls visit(i, j, history, numbers) for every listed pair once.
+  /// Calls visit(i, j, history, numbers) for every listed pair once; j may be the row of an image.
   template <class Visit>
   void each(Visit&& visit) const {
     double history[maximum_numbers];
@@ -184,7 +190,7 @@ class SweepLists {
   }
 
   /// Copies the history of the old pair {a, b} to `to`; false when there was none.
-  bool find_old(int a, int b, int kind, const SweepLayout& layout, double* to) const {
+  bool find_old(int a, int b, int kind, const SweepLayout& layout, const Images& images, double* to) const {
     if (a < 0 || b < 0) return false;
     const int low = std::min(a, b), high = std::max(a, b);
     for (const SweepRange& range : old_) {
@@ -193,7 +199,7 @@ class SweepLists {
       if (static_cast<int>(lists.size()) <= kind) return false;
       const SweepPairs& list = lists[kind];
       for (int c = list.start[low - range.begin]; c < list.start[low - range.begin + 1]; ++c)
-        if (list.first[c] == low && list.second[c] == high) {
+        if (list.first[c] == low && images.grain(list.second[c]) == high) {
           const ContactNumbers& numbers = layout.numbers[kind];
           copy_history(list, c, layout, numbers.total, to);
           if (a > b)
@@ -214,21 +220,32 @@ class SweepLists {
     for (auto* lists : {&range.inner, &range.border})
       for (SweepPairs& list : *lists) list.start.resize(own + 1);
     const Place* place = pointer(grains.place);
+    const bool periodic = periods_.any();
+    const ImageRows images = images_.rows();
     for (int i = range.begin; i < range.end; ++i) {
       const Place p = place[i];
       for (int k = range.near_start[i - range.begin]; k < range.near_start[i - range.begin + 1]; ++k) {
         const int j = range.near[k];
         const double reach = p.radius + place[j].radius + tight;
-        if (!(norm2(p.position - place[j].position) < reach * reach)) continue;
+        Vec3 between = p.position - place[j].position;
+        int shift = no_shift;  // of j
+        if (periodic) {
+          shift = periods_.nearest(between);
+          between -= periods_.vector(shift);
+        }
+        if (!(norm2(between) < reach * reach)) continue;
         const bool border = !range.holds(j);
         int a = grains.material[i], b = grains.material[j];
         if (a > b) std::swap(a, b);
         SweepPairs& list = (border ? range.border : range.inner)[a * layout_.materials + b];
         list.first.push_back(std::min(i, j));
-        list.second.push_back(std::max(i, j));
+        list.second.push_back(periodic ? images.row(std::max(i, j), i < j ? shift : opposite(shift)) : std::max(i, j));
         if (border) {
           list.to_first.push_back(i < j ? i : spare);
           list.to_second.push_back(i < j ? spare : i);
+        } else if (periodic) {
+          list.to_first.push_back(std::min(i, j));
+          list.to_second.push_back(std::max(i, j));
         }
       }
       for (auto* lists : {&range.inner, &range.border})
@@ -256,9 +273,9 @@ class SweepLists {
     double kept[maximum_numbers];
     const int numbers = std::min(row, old_layout.numbers[kind].total);
     for (int c = 0; c < list.pairs; ++c) {
-      const int a = renumbered ? grains.old_of_new[list.first[c]] : list.first[c];
-      const int b = renumbered ? grains.old_of_new[list.second[c]] : list.second[c];
-      if (!find_old(a, b, kind, old_layout, kept)) continue;
+      const int i = list.first[c], j = images_.grain(list.second[c]);
+      const int a = renumbered ? grains.old_of_new[i] : i, b = renumbered ? grains.old_of_new[j] : j;
+      if (!find_old(a, b, kind, old_layout, renumbered ? old_images_ : images_, kept)) continue;
       const std::size_t first = place_of(c, lanes, row);
       for (int k = 0; k < numbers; ++k) {
         const std::size_t at = first + static_cast<std::size_t>(k * lanes);
@@ -272,6 +289,8 @@ class SweepLists {
 
   SweepLayout layout_;
   std::vector<SweepRange> ranges_, old_;
+  Periods periods_;
+  Images images_, old_images_;
 };
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -91,6 +91,9 @@ class System final : public Simulation {
   void book_removed_walls();
   void feel_walls();
   void finish_walls(double dt);
+  void return_grains();
+  void make_images(int spare_rows);
+  void move_images();
   PairSearch sort(const CellGrid&, Vector<int>& bucket, Vector<int>& bucket_start);
   bool sweeps() const;
   kernels::Interval interval(double dt) const;
@@ -125,6 +128,8 @@ class System final : public Simulation {
   Bodies bodies_;                            // of clumps; empty without them
   std::vector<Clump> shapes_;
   Bonds bonds_;
+  Periods periods_;
+  Images images_;  // empty without periods
   PairColumns pairs_;
   Walls walls_;
   WallColumns near_walls_;

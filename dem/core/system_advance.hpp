@@ -27,6 +27,7 @@ inline void System::advance(int n, double dt) {
     if (walls_.bodies()) finish_walls(dt);
   }
   if (n > 0) leap({.ends = true, .ended = dt, .begins = false}, dt);
+  move_images();
   time_ += n * dt;
 }
 
@@ -124,10 +125,11 @@ inline void System::rebuild(double share) {
     radii_ = reduce(n, RadiiOf{place}, Radii{}, JoinRadii{});
     if (rebuilds_ > 0 && !list_is_stale_) adapt_skin();
     skin_ = setup_.skin > 0 ? setup_.skin : skin_share_ * radii_.smallest;
+    if (periods_.any()) return_grains();
     const Box box = reduce(n, BoxOf{place}, Box{}, JoinBoxes{});
     const CellGrid grid = make_grid(box, 2 * radii_.largest + skin_, n);
     Vector<int> bucket, bucket_start;
-    const PairSearch search = sort(grid, bucket, bucket_start);
+    PairSearch search = sort(grid, bucket, bucket_start);
     if (bonds_.any()) bonds_.find(grains_);
     const int materials = static_cast<int>(setup_.materials.size());
     const int history = history_stride();
@@ -136,19 +138,24 @@ inline void System::rebuild(double share) {
     if (sweeps()) {
       tight_ = std::fmin(tight_share_ * radii_.smallest, 0.5 * skin_);
       const int threads = omp_get_max_threads();
-      sweep_lists_.find_near(search, n, threads);
-      grains_.make_spare_rows(threads);
+      make_images(threads);
+      search.place = pointer(grains_.place);
+      sweep_lists_.find_near(search, n, images_, threads);
       sweep_lists_.tighten(grains_, tight_, sweep_layout(), true);
       last_tight_ = steps_;
     }
 #endif
-    if (!sweeps())
+    if (!sweeps()) {
+      if (periods_.any()) make_images(0);
+      search.place = pointer(grains_.place);
       pairs_ = build_pairs(grains_, search, pairs_,
                            {.materials = materials,
                             .history = history,
                             .parameters = pointer(grain_parameters_),
                             .couples = couples_,
-                            .ledger = setup_.track_energy});
+                            .ledger = setup_.track_energy,
+                            .images = images_.rows()});
+    }
     if (walls_.any())
       near_walls_ =
           build_walls(grains_, walls_, grid, near_walls_, {setup_.track_energy, history, skin_, radii_.largest});
@@ -157,6 +164,7 @@ inline void System::rebuild(double share) {
     thrust::sequence(policy(), grains_.old_of_new.begin(), grains_.old_of_new.end());
   } else {
     pairs_ = {};
+    images_ = {};
     near_walls_ = {};
 #if !defined(TRACKBED_DEM_CUDA)
     sweep_lists_ = {};
@@ -176,9 +184,67 @@ inline PairSearch System::sort(const CellGrid& grid, Vector<int>& bucket, Vector
   else
     grains_.sort_by_bucket(grid, bucket);
   bucket_starts(bucket, grid.buckets(), bucket_start);
-  return {
-      grid, pointer(bucket_start), pointer(bodies_.sphere_entry), pointer(bodies_.of_sphere), pointer(grains_.place),
-      skin_};
+  return {grid,
+          pointer(bucket_start),
+          pointer(bodies_.sphere_entry),
+          pointer(bodies_.of_sphere),
+          pointer(grains_.place),
+          skin_,
+          periods_};
+}
+
+/// Back between the faces; what gravity does along the way is not its work.
+inline void System::return_grains() {
+  const double reach = bodies_.any()
+                           ? reduce(bodies_.size(), RadiiOf{pointer(bodies_.place)}, Radii{}, JoinRadii{}).largest
+                           : radii_.largest;
+  periods_.margin = 2 * radii_.largest + skin_ + (bodies_.any() ? reach : 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = periods_.length[axis], least = 4 * reach + 2 * skin_;
+    if (length == 0 || length >= least) continue;
+    char message[200];
+    std::snprintf(
+        message, sizeof message,
+        "dem: the period of %.4g m along %c is too short for grains of radius %.4g m; at least %.4g m is needed",
+        length, "xyz"[axis], reach, least);
+    throw base::UserError(message);
+  }
+  const bool referenced = gravity_referenced_;
+  settle_gravity();
+  if (bodies_.any())
+    launch(bodies_.size(),
+           ReturnBodies{periods_, pointer(bodies_.place), pointer(grains_.place), pointer(bodies_.start)});
+  else
+    launch(grains_.size(), ReturnGrains{periods_, pointer(grains_.place)});
+  if (referenced && setup_.track_energy) {
+    gravity_reference_ = gravity_potential();
+    gravity_referenced_ = true;
+  }
+}
+
+/// Images of the grains near periodic faces, and spare rows behind them.
+inline void System::make_images(int spare_rows) {
+  images_ = {};
+  const int n = grains_.size();
+  const Place* place = pointer(grains_.place);
+  if (periods_.any()) {
+    images_.start.resize(n);
+    launch(n, CountImages{periods_, place, pointer(images_.start)});
+    const int images = counts_to_starts(images_.start);
+    images_.owner.resize(images);
+    images_.shift.resize(images);
+    launch(n, NameImages{periods_, place, pointer(images_.start), pointer(images_.owner), pointer(images_.shift)});
+  }
+  images_.first = n;
+  grains_.make_spare_rows(images_.size() + spare_rows);
+  move_images();
+}
+
+/// Images to where their grains are now, with the motion that these have.
+inline void System::move_images() {
+  if (images_.size() == 0) return;
+  launch(images_.size(), MoveImages{periods_, pointer(images_.owner), pointer(images_.shift), images_.first,
+                                    grains_.parts, pointer(grains_.place), pointer(grains_.motion)});
 }
 
 inline bool System::sweeps() const {
@@ -226,7 +292,7 @@ ContactPass<Law> contact_pass(const Grains& grains, PairColumns& pairs, const ke
                               int* unstable, double maximum_overlap, const kernels::Interval& time) {
   return {.geometry = {pointer(grains.place), grains.motions()},
           .first = pointer(pairs.first),
-          .second = pointer(pairs.second),
+          .second = pairs.second_row.empty() ? pointer(pairs.second) : pointer(pairs.second_row),
           .pair = pointer(pairs.pair),
           .parameters = parameters,
           .history = pointer(pairs.history),
@@ -298,6 +364,7 @@ void System::sweep_pairs(const kernels::Interval& time, const Walls& walls) {
 
 /// Forces at the present positions, added to grains_.pull or left with the pairs; the step that ends took `ended`.
 inline void System::evaluate(const kernels::Interval& time, double ended) {
+  move_images();
   with_scene_law([&]<class Law>() {
     const auto walls = wall_pass<Law>(time, ended);
 #if !defined(TRACKBED_DEM_CUDA)
@@ -309,7 +376,7 @@ inline void System::evaluate(const kernels::Interval& time, double ended) {
   });
   if (bonds_.any())
     bonds_.press(grains_, bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(),
-                 bodies_.of_sphere, ended);
+                 bodies_.of_sphere, ended, periods_);
   last_ahead_ = time.ahead;
 }
 
@@ -357,7 +424,7 @@ inline void System::stop_unstable(int trouble, double dt) const {
     std::snprintf(text, sizeof text, format, value);
   };
   if (trouble == overlap_too_large) {
-    each_contact([&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3&) {
+    each_contact([&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3&, const Vec3&) {
       const double smaller = std::fmin(place[i].radius, place[j].radius);
       accuse(i, meeting.touch.overlap / smaller, "overlap with another grain is %.3g of the smaller radius");
     });

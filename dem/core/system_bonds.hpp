@@ -35,7 +35,7 @@ inline void System::add_bonds(std::span<const Bond> bonds) {
     base::require_user(bonded.emplace(std::array{std::min(b.i, b.j), std::max(b.i, b.j)}, true).second,
                        named(b) + ": they are bonded already");
     const Place &i = place[sphere[b.i]], &j = place[sphere[b.j]];
-    const Vec3 between = i.position - j.position;
+    const Vec3 between = periods_.shortest(i.position - j.position);
     const double distance = norm(between);
     base::require_user(distance > 0, named(b) + ": they are at one place");
     ends.insert(ends.end(), {b.i, b.j});
@@ -74,7 +74,7 @@ inline std::vector<GrainSpring> System::bond_springs() const {
     const auto i = sphere.find(id[2 * b]), j = sphere.find(id[2 * b + 1]);
     if (!(row[b].is.radius > 0) || i == sphere.end() || j == sphere.end()) continue;
     const kernels::BondSection section(row[b].is);
-    const Vec3 between = place[i->second].position - place[j->second].position;
+    const Vec3 between = periods_.shortest(place[i->second].position - place[j->second].position);
     const double distance = norm(between), overlap = place[i->second].radius + place[j->second].radius - distance;
     GrainSpring s;
     s.normal = distance > 0 ? (1 / distance) * between : row[b].state.normal;

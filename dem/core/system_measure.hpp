@@ -179,7 +179,8 @@ inline void System::nodal_impulse(int wall, std::span<Vec3> impulse) const {
 }
 
 // ---- contacts
-/// Calls visit(i, j, meeting, parameters, force on i) for every pair of grains that touches, on host copies. The
+/// Calls visit(i, j, meeting, parameters, force on i, period) for every pair of grains that touches, on host copies; j
+/// is met where it lies plus the period. The
 /// histories are half a step ahead: taken back, the law gives the force of this instant again.
 template <class Visit>
 void System::each_contact(Visit&& visit) const {
@@ -187,17 +188,19 @@ void System::each_contact(Visit&& visit) const {
   const auto place = download(grains_.place);
   const auto motion = download(grains_.motion);
   const auto material = download(grains_.material);
+  const auto owner = download(images_.owner), shift = download(images_.shift);
   const PairGeometry geometry{place.data(), {motion.data(), grains_.parts}};
   const int materials = static_cast<int>(setup_.materials.size());
-  const auto look = [&](int i, int j, const double* kept, int numbers) {
+  const auto look = [&](int i, int row, const double* kept, int numbers) {
     Meeting meeting;
-    if (!geometry.meet(i, j, meeting)) return;
+    if (!geometry.meet(i, row, meeting)) return;
+    const int image = owner.empty() ? -1 : row - images_.first, j = image < 0 ? row : owner[image];
     double history[maximum_numbers] = {};
     std::copy_n(kept, numbers, history);
     const auto& parameters = grain_parameters_host_[material[i] * materials + material[j]];
     const kernels::Interval back{-last_ahead_, 0};
     const Vec3 force = AnyLaw::press<false>(parameters, meeting.touch, back, history).force;
-    visit(i, j, meeting, parameters, force);
+    visit(i, j, meeting, parameters, force, image < 0 ? Vec3{} : periods_.vector(shift[image]));
   };
 #if !defined(TRACKBED_DEM_CUDA)
   if (sweeps()) {
@@ -205,7 +208,8 @@ void System::each_contact(Visit&& visit) const {
     return;
   }
 #endif
-  const auto first = download(pairs_.first), second = download(pairs_.second);
+  const auto first = download(pairs_.first);
+  const auto second = download(pairs_.second_row.empty() ? pairs_.second : pairs_.second_row);
   const auto history = download(pairs_.history);
   for (std::size_t c = 0; c < first.size(); ++c)
     look(first[c], second[c], history.data() + c * pairs_.history_stride, pairs_.history_stride);
@@ -215,9 +219,11 @@ inline std::vector<GrainContact> System::grain_contacts() const {
   const auto place = download(grains_.place);
   const auto ids = download(grains_.id);
   std::vector<GrainContact> contacts;
-  each_contact([&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3& force) {
-    contacts.push_back({ids[i], ids[j], place[i].position, place[j].position, force, meeting.touch.overlap});
-  });
+  each_contact(
+      [&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3& force, const Vec3& period) {
+        contacts.push_back(
+            {ids[i], ids[j], place[i].position, place[j].position + period, force, meeting.touch.overlap, period});
+      });
   return contacts;
 }
 
@@ -246,7 +252,8 @@ inline Counts System::counts() const {
   counts.grains = bodies_.any() ? bodies_.size() : grains_.size();
   counts.spheres = grains_.size();
   counts.wall_candidates = near_walls_.size();
-  each_contact([&](int, int, const Meeting&, const kernels::PairParameters&, const Vec3&) { ++counts.contacts; });
+  each_contact(
+      [&](int, int, const Meeting&, const kernels::PairParameters&, const Vec3&, const Vec3&) { ++counts.contacts; });
   counts.candidate_pairs = pairs_.size();
   std::size_t list_bytes = pairs_.bytes();
 #if !defined(TRACKBED_DEM_CUDA)
@@ -257,7 +264,8 @@ inline Counts System::counts() const {
       reduce(near_walls_.size(), CountWallContacts{pointer(near_walls_.state)}, 0, thrust::plus<int>());
   counts.rebuilds = rebuilds_;
   counts.steps = steps_;
-  counts.bytes = grains_.bytes() + bodies_.bytes() + list_bytes + walls_.bytes() + near_walls_.bytes() + bonds_.bytes();
+  counts.bytes = grains_.bytes() + bodies_.bytes() + list_bytes + walls_.bytes() + near_walls_.bytes() +
+                 bonds_.bytes() + images_.bytes();
   return counts;
 }
 
@@ -372,14 +380,15 @@ inline StableStep System::contact_stable_step() const {
     if (clumps) s.lever += place[sphere].position - centres[s.grain].position;
   };
   std::vector<GrainSpring> springs = bond_springs();
-  each_contact([&](int i, int j, const Meeting& m, const kernels::PairParameters& parameters, const Vec3&) {
-    auto s = spring_of(parameters, m.touch.effective_radius, m.touch.effective_mass, m.touch.overlap);
-    s.normal = m.touch.normal;
-    attach(s, i, -m.arm_i * s.normal);
-    springs.push_back(s);
-    attach(s, j, m.arm_j * s.normal);
-    springs.push_back(s);
-  });
+  each_contact(
+      [&](int i, int j, const Meeting& m, const kernels::PairParameters& parameters, const Vec3&, const Vec3&) {
+        auto s = spring_of(parameters, m.touch.effective_radius, m.touch.effective_mass, m.touch.overlap);
+        s.normal = m.touch.normal;
+        attach(s, i, -m.arm_i * s.normal);
+        springs.push_back(s);
+        attach(s, j, m.arm_j * s.normal);
+        springs.push_back(s);
+      });
   const auto grain = rows_moved_ ? std::vector<int>{} : download(near_walls_.grain);
   const auto start = download(near_walls_.start);
   const auto candidate = download(near_walls_.candidate);

@@ -17,6 +17,8 @@ inline System::System(const Setup& setup, Backend backend) : setup_(setup), back
       setup.precision == Precision::full || sweeps(),
       "dem: mixed precision is for the processor's vectors: not on a GPU, nor with contacts taken one by "
       "one; use double precision there");
+  for (const Period& along : setup.periods) base::require_user(along.length >= 0, "dem: a period must not be negative");
+  periods_ = periods_of(setup.periods);
   grains_.parts = setup.rotations ? 2 : 1;
   upload(std::vector<int>{0}, trouble_);
   upload_parameters();

@@ -39,7 +39,10 @@ RegionStress region_stress(const Region& region, std::span<const Grain> grains,
   };
   for (const GrainContact& contact : grain_contacts) {
     const Grain *i = find(grains, contact.id_i), *j = find(grains, contact.id_j);
-    if (i != nullptr && j != nullptr) carry(i->position, j->position, contact.force);
+    if (i == nullptr || j == nullptr) continue;
+    carry(i->position, j->position + contact.period, contact.force);
+    // Across a periodic face the rest of the branch lies at the other face.
+    if (norm2(contact.period) > 0) carry(i->position - contact.period, j->position, contact.force);
   }
   for (const WallContact& contact : wall_contacts) {
     if (const Grain* grain = find(grains, contact.id)) carry(grain->position, contact.point, contact.force);
