@@ -23,6 +23,8 @@ TEST(Runs, QuickSleeperFromPackingToResults) {
   EXPECT_LT(results["residual_settlement"]["value"].get<double>(), results["peak_settlement"]["value"].get<double>());
   EXPECT_GE(results["porosity"]["value"].get<double>(), 0.36);
   EXPECT_LE(results["porosity"]["value"].get<double>(), 0.45);
+  // Raising the grains' modulus must not wedge the bed between the planes of symmetry.
+  EXPECT_EQ(results["earth_pressure_ratio"]["within"], true) << results["earth_pressure_ratio"]["value"];
   for (const auto* file :
        {"scene.resolved.toml", "history.csv", "run.log", "grains.pvd", "sleeper.pvd", "ground.pvd", "contacts.pvd"})
     EXPECT_TRUE(fs::exists(out / file)) << file;

@@ -10,6 +10,7 @@
 #include "coupling/packing.hpp"
 #include "dem/grading.hpp"
 #include "dem/output.hpp"
+#include "tests/packing_helper.hpp"
 
 namespace {
 
@@ -18,32 +19,7 @@ namespace fs = std::filesystem;
 constexpr double edge = 0.25;  // [m]
 
 coupling::Scene cube_scene() {
-  coupling::Scene scene;
-  scene.time.dem_fraction = 0.3;
-  scene.grains.emplace();
-  coupling::GrainsScene& grains = *scene.grains;
-  grains.materials = {{"ballast", 16.8e9, 0.2, 2700}};
-  grains.interactions = {{0.6, 0.4, 0.2}};
-  const auto add_wall = [&](const base::Vec3& point, const base::Vec3& normal) {
-    coupling::WallScene wall;
-    wall.plane = dem::Plane{point, normal};
-    grains.walls.push_back(wall);
-  };
-  add_wall({0, 0, 0}, {0, 0, 1});
-  add_wall({0, 0, 0}, {1, 0, 0});
-  add_wall({edge, 0, 0}, {-1, 0, 0});
-  add_wall({0, 0, 0}, {0, 1, 0});
-  add_wall({0, edge, 0}, {0, -1, 0});
-  coupling::Packing& packing = grains.packing.emplace();
-  packing.grading = {{0.0224, 0}, {0.0315, 0.12}, {0.040, 0.48}, {0.050, 0.85}, {0.063, 1}};
-  packing.young_modulus = 0.24e9;
-  packing.friction = 0.1;
-  packing.target_porosity = 0.42;
-  packing.grain_damping = 5;
-  coupling::PackingLayer layer;
-  layer.box = {{0, 0, 0}, {edge, edge, edge}};
-  packing.layers = {layer};
-  return scene;
+  return packing_box({edge, edge, edge}, {{0.0224, 0}, {0.0315, 0.12}, {0.040, 0.48}, {0.050, 0.85}, {0.063, 1}}, 0.42);
 }
 
 void expect_same(const std::vector<dem::Grain>& a, const std::vector<dem::Grain>& b) {

@@ -6,40 +6,15 @@
 #include "base/error.hpp"
 #include "coupling/measure.hpp"
 #include "coupling/packing.hpp"
+#include "tests/packing_helper.hpp"
 
 namespace {
 
 constexpr double edge = 0.22;  // [m] some five grains wide
 
 coupling::Scene box_scene(double height = edge, double length = edge) {
-  coupling::Scene scene;
-  scene.time.dem_fraction = 0.3;
-  scene.grains.emplace();
-  coupling::GrainsScene& grains = *scene.grains;
-  grains.materials = {{"ballast", 16.8e9, 0.2, 2700}};
-  grains.interactions = {{0.6, 0.4, 0.2}};
-  const auto add_wall = [&](const base::Vec3& point, const base::Vec3& normal) {
-    coupling::WallScene wall;
-    wall.plane = dem::Plane{point, normal};
-    grains.walls.push_back(wall);
-  };
-  add_wall({0, 0, 0}, {0, 0, 1});
-  add_wall({0, 0, 0}, {1, 0, 0});
-  add_wall({length, 0, 0}, {-1, 0, 0});
-  add_wall({0, 0, 0}, {0, 1, 0});
-  add_wall({0, edge, 0}, {0, -1, 0});
-  coupling::Packing& packing = grains.packing.emplace();
-  packing.grading = {{0.0315, 0}, {0.040, 0.4}, {0.050, 1}};
-  packing.young_modulus = 0.24e9;
-  packing.friction = 0.1;
-  packing.target_porosity = 0.38;
-  packing.grain_damping = 5;
-  packing.use_cache = false;
-  packing.origin = "scene.toml:3";
-  coupling::PackingLayer layer;
-  layer.box = {{0, 0, 0}, {length, edge, height}};
-  layer.origin = "scene.toml:9";
-  packing.layers = {layer};
+  coupling::Scene scene = packing_box({length, edge, height}, {{0.0315, 0}, {0.040, 0.4}, {0.050, 1}}, 0.38);
+  scene.grains->packing->use_cache = false;
   return scene;
 }
 
