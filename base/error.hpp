@@ -1,5 +1,5 @@
 #pragma once
-// The four ways a run can end badly, and who is to blame. The exit status is part of the command line's contract.
+// The ways a run can end before its time, and who is to blame. The exit status is part of the command line's contract.
 #include <stdexcept>
 #include <string>
 
@@ -15,6 +15,10 @@ struct UnstableError : std::runtime_error {
 };
 /// The machine failed the run (exit 4): a full disk, a lost rank, no memory.
 struct MachineError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+/// The run was asked to end, by Ctrl-C or SIGTERM (exit 130). Its results up to there are written.
+struct InterruptedError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 /// A broken promise inside Trackbed: always a bug of ours (exit 1).

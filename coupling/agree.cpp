@@ -18,6 +18,8 @@ FailureText caught(const std::function<void()>& work) {
     return {Failure::unstable, error.what()};
   } catch (const base::MachineError& error) {
     return {Failure::machine, error.what()};
+  } catch (const base::InterruptedError& error) {
+    return {Failure::interrupted, error.what()};
   } catch (const std::bad_alloc&) {
     return {Failure::machine, "out of memory; use fewer grains or a coarser mesh, or more ranks"};
   } catch (const std::exception& error) {
@@ -35,6 +37,8 @@ void raise(const FailureText& failure) {
       throw base::UnstableError(failure.text);
     case Failure::machine:
       throw base::MachineError(failure.text);
+    case Failure::interrupted:
+      throw base::InterruptedError(failure.text);
     case Failure::internal:
       throw base::InternalError(failure.text);
   }

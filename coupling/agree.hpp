@@ -7,7 +7,7 @@
 
 namespace coupling {
 
-enum class Failure : int { none = 0, internal = 1, user = 2, unstable = 3, machine = 4 };
+enum class Failure : int { none = 0, internal = 1, user = 2, unstable = 3, machine = 4, interrupted = 130 };
 
 struct FailureText {
   Failure kind = Failure::none;

@@ -67,8 +67,10 @@ coupling::RunOptions run_options(const Arguments& arguments) {
 
 int exit_status(const coupling::FailureText& failure, bool speak) {
   if (failure.kind == coupling::Failure::none) return 0;
-  const bool ours = failure.kind == coupling::Failure::internal;
-  if (speak) fmt::print(stderr, "trackbed: {}: {}\n", ours ? "internal error" : "error", failure.text);
+  const char* word = failure.kind == coupling::Failure::internal      ? "internal error"
+                     : failure.kind == coupling::Failure::interrupted ? "interrupted"
+                                                                      : "error";
+  if (speak) fmt::print(stderr, "trackbed: {}: {}\n", word, failure.text);
   return static_cast<int>(failure.kind);
 }
 

@@ -54,7 +54,16 @@ void move_log(const std::shared_ptr<Ring>& kept, const fs::path& directory) {
 }
 
 const char* status_word(Failure kind) {
-  return kind == Failure::none ? "completed" : kind == Failure::unstable ? "unstable" : "failed";
+  switch (kind) {
+    case Failure::none:
+      return "completed";
+    case Failure::unstable:
+      return "unstable";
+    case Failure::interrupted:
+      return "interrupted";
+    default:
+      return "failed";
+  }
 }
 
 void finish(const Setup& setup, const fs::path& directory, const FailureText& failure, Summary& summary,

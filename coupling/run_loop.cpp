@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "coupling/grain_files.hpp"
+#include "coupling/interrupt.hpp"
 #include "coupling/packing.hpp"
 
 namespace coupling {
@@ -228,7 +229,12 @@ bool RunLoop::step_window() {
 
 void RunLoop::observe(bool picture, bool final) {
   const auto start = Clock::now();
-  agree(setup_.roles->world, [&] { raise(failure_); });
+  agree(setup_.roles->world, [&] {
+    raise(failure_);
+    if (const char* signal = InterruptWatch::signal())
+      throw base::InterruptedError(
+          fmt::format("t = {:.6g} s: {}; results up to here are in {}", time_, signal, directory_.string()));
+  });
   const auto sample = sampler_.sample(picture);
   agree(setup_.roles->world, [&] {
     if (measuring_) ledger_.add(sample.energy);
@@ -316,6 +322,7 @@ void RunLoop::run(std::optional<double> until) {
   const auto start = Clock::now();
   FailureText stop;
   const bool steered = steers_walls();
+  const InterruptWatch watch;
   stop = caught([&] {
     for (const auto& stage : setup_.scene.stages) {
       setup_.choose_window(std::numeric_limits<double>::infinity());
@@ -358,6 +365,7 @@ void RunLoop::run(std::optional<double> until) {
   // Whoever left the loop does so for its own failure, for the other side's, or for one already agreed on.
   if (stop.kind != Failure::none && failure_.kind == Failure::none && !stop.text.empty()) failure_ = stop;
   const FailureText agreed = caught([&] { agree(setup_.roles->world, [&] { raise(failure_); }); });
+  if (agreed.kind == Failure::interrupted) agree(setup_.roles->world, [&] { write_picture(); });
   close_summary();
   raise(agreed);
 }

@@ -236,4 +236,22 @@ TEST(Runs, MoreRanksThanAGrainSceneCanUseAreRefused) {
   EXPECT_NE(two.output.find("one rank does all its work"), std::string::npos) << two.output;
 }
 
+// A signal in the middle of a run: summary and pictures are there and can be read.
+TEST(Runs, InterruptedRunLeavesItsResults) {
+  const fs::path out = scratch() / "interrupted", log = scratch() / "interrupted.txt";
+  const std::string wait_for_rows = "until [ \"$(cat '" + (out / "history.csv").string() +
+                                    "' 2>/dev/null | wc -l)\" -ge 3 ]; do sleep 0.1; kill -0 $p || break; done";
+  const std::string command = "cd '" + scratch().string() + "'; '" + TRACKBED_PROGRAM + "' run " +
+                              scene("clump_drop.toml") + " --set 'stage.fall.duration=1000 s' --out '" + out.string() +
+                              "' > '" + log.string() + "' 2>&1 & p=$!; " + wait_for_rows + "; kill -TERM $p; wait $p";
+  const int status = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130) << slurp(log);
+  EXPECT_NE(slurp(log).find("trackbed: interrupted: t = "), std::string::npos) << slurp(log);
+  const auto json = summary(out);
+  EXPECT_EQ(json["status"], "interrupted");
+  EXPECT_GT(json["time_simulated_s"].get<double>(), 0);
+  EXPECT_TRUE(fs::exists(out / "grains" / "grains_0001.vtp"));
+}
+
 }  // namespace
