@@ -1,5 +1,5 @@
 // The command line. Exit status: 0 done, 1 a mistake of ours, 2 the user's input is wrong, 3 the run became unstable,
-// 4 the machine failed it.
+// 4 the machine failed it, 130 it was interrupted.
 #include <fmt/format.h>
 #include <mpi.h>
 #include <spdlog/spdlog.h>
@@ -133,7 +133,8 @@ int main(int argc, char** argv) {
   });
   app.footer(
       "Example: mpirun -n 2 trackbed run configs/one_sleeper.toml --out runs/first\n"
-      "Exit status: 0 done, 2 wrong input, 3 unstable, 4 the machine failed, 1 a mistake in Trackbed.");
+      "Exit status: 0 done, 2 wrong input, 3 unstable, 4 the machine failed, 130 interrupted, 1 a mistake in "
+      "Trackbed.");
 
   CLI::App* run_command = app.add_subcommand("run", "run a scene");
   add_scene_arguments(*run_command, arguments);

@@ -29,6 +29,11 @@ FailureText timed(double& seconds, const std::function<void()>& work) {
   return failure;
 }
 
+/// The first of the instants that come after `now`; an interval shorter than the steps asks for every step.
+double next_instant(double instant, double now, double interval) {
+  return instant > now ? instant : instant + interval * (std::floor((now - instant) / interval) + 1);
+}
+
 std::vector<std::string> history_columns(const Scene& scene) {
   std::vector<std::string> columns{"time [s]", "stage [-]"};
   for (const auto& probe : scene.probes)
@@ -237,6 +242,7 @@ void RunLoop::observe(bool picture, bool final) {
   });
   const auto sample = sampler_.sample(picture);
   agree(setup_.roles->world, [&] {
+    if (setup_.grains && setup_.scene.time.force_step) guard_flight();
     if (measuring_) ledger_.add(sample.energy);
     if (picture && (measuring_ || final)) write_picture();
     if (!setup_.roles->is_root()) return;
@@ -253,6 +259,19 @@ void RunLoop::observe(bool picture, bool final) {
   // Costs about a step: not at every sample.
   if (picture || ++samples_since_bound_ >= 4) obey_contacts();
   output_seconds_ += seconds_since(start);
+}
+
+/// With a step forced far above the limit grains may fly through each other without ever touching: no energy is lost.
+void RunLoop::guard_flight() {
+  for (const dem::Grain& grain : setup_.grains->grains()) {
+    const double way = norm(grain.velocity) * setup_.window.dt_dem;
+    if (way <= grain.radius) continue;
+    throw base::UnstableError(fmt::format(
+        "t = {:.6g} s: grain {} at ({:.4g}, {:.4g}, {:.4g}) m moves {:.3g} m in one step of {:.3g} s, farther than its "
+        "radius of {:.3g} m, and misses what it should touch; remove time.force_step",
+        time_, grain.id, grain.position.x, grain.position.y, grain.position.z, way, setup_.window.dt_dem,
+        grain.radius));
+  }
 }
 
 /// A run that leaves its energy budget has become unstable, whatever its numbers look like. Among the first samples,
@@ -348,8 +367,8 @@ void RunLoop::run(std::optional<double> until) {
         const bool last = time_ + half >= end || enough;
         const bool picture = last || time_ + half >= next_picture;
         if (picture || time_ + half >= next_probe) observe(picture, enough);
-        while (next_probe <= time_ + half && output.probe_interval > 0) next_probe += output.probe_interval;
-        while (next_picture <= time_ + half) next_picture += picture_interval;
+        if (output.probe_interval > 0) next_probe = next_instant(next_probe, time_ + half, output.probe_interval);
+        next_picture = next_instant(next_picture, time_ + half, picture_interval);
         progress_.show(stage.name, time_, time_ / total_, static_cast<double>(windows_) / seconds_since(start),
                        ledger_.relative_error());
         if (enough) return;

@@ -41,6 +41,7 @@ class RunLoop {
   bool fem_end();
   void observe(bool picture, bool final);  // final: the run stops here; its state is written in any case
   void guard_energy(std::size_t samples);
+  void guard_flight();
   void obey_contacts();
   void write_picture();
   std::unique_ptr<dem::Writer> make_writer(std::span<const dem::Grain> reference) const;

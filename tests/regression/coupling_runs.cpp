@@ -168,6 +168,44 @@ TEST(Runs, ForcedStepWithFewSamplesStopsToo) {
   EXPECT_EQ(finished.status, 3) << finished.output;
 }
 
+// Two grains on a collision course that jump past each other: nothing touches, no energy is lost, and it is wrong.
+TEST(Runs, ForcedStepOfGrainsThatMissEachOther) {
+  const fs::path out = scratch() / "missed", file = scratch() / "missed.toml";
+  std::ofstream(file) << R"([time]
+dem_step = "0.1 s"
+force_step = true
+[grains]
+material = { young_modulus = "16.8 GPa", poisson_ratio = 0.2, density = "2700 kg/m3" }
+friction = 0.6
+restitution = 0.4
+[[grain]]
+position = [0.0, 0.0, 0.0]
+radius = "20 mm"
+velocity = [1.0, 0.0, 0.0]
+[[grain]]
+position = [0.35, 0.0, 0.0]
+radius = "20 mm"
+velocity = [-1.5, 0.0, 0.0]
+[[stage]]
+name = "fly"
+duration = "1 s"
+)";
+  const auto finished = trackbed("run " + file.string() + " --out " + out.string());
+  EXPECT_EQ(finished.status, 3) << finished.output;
+  EXPECT_NE(finished.output.find("moves 0.1"), std::string::npos) << finished.output;
+}
+
+// An interval that no step resolves asks for every step, and does not hang.
+TEST(Runs, IntervalFarBelowTheStep) {
+  const fs::path out = scratch() / "dense";
+  const auto finished = trackbed("run " + scene("clump_drop.toml") + " --out " + out.string() +
+                                 " --set output.probe_interval=1e-30 --until 1e-3");
+  EXPECT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  const std::string rows = slurp(out / "history.csv");
+  EXPECT_GE(std::count(rows.begin(), rows.end(), '\n'), json["steps"]["dem"].get<int>());
+}
+
 // Nobody stops root: as root the program is copied to where everybody may read it and started as another user.
 TEST(Runs, FolderWithoutWritePermissionIsRefused) {
   const fs::path place = scratch() / "locked", program = scratch() / "trackbed_for_all";
