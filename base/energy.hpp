@@ -18,11 +18,16 @@ struct Energy {
   double loss_contact_damping = 0;  // [J] contact dashpots, normal and tangential (DEM)
   double loss_rolling = 0;          // [J] rolling resistance (DEM)
   double loss_breakage = 0;         // [J] what bonds had stored when they broke (DEM)
-  double loss_damping = 0;          // [J] mass-proportional damping, of grains or of bodies
+  double loss_damping = 0;          // [J] mass-proportional damping, of grains or of bodies; absorbing boundaries
+  double loss_viscous = 0;          // [J] viscosity of bodies (FEM)
+  double loss_plastic = 0;          // [J] plastic flow of bodies (FEM)
 
   double stored() const { return kinetic + elastic_normal + elastic_shear + elastic_bonds + strain; }
   double works() const { return work_gravity + work_loads + work_walls + work_interface; }
-  double losses() const { return loss_friction + loss_contact_damping + loss_rolling + loss_breakage + loss_damping; }
+  double losses() const {
+    return loss_friction + loss_contact_damping + loss_rolling + loss_breakage + loss_damping + loss_viscous +
+           loss_plastic;
+  }
 };
 
 }  // namespace base

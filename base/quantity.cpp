@@ -148,7 +148,7 @@ std::string dimension_name(const Dimension& dimension) {
       {"a mass", "kg"},       {"a density", "kg/m3"},      {"a time", "s"},        {"a rate", "1/s"},
       {"a speed", "m/s"},     {"an acceleration", "m/s2"}, {"an angle", "rad"},    {"an angular velocity", "rad/s"},
       {"a force", "N"},       {"a pressure", "Pa"},        {"a stiffness", "N/m"}, {"an energy", "J"},
-      {"a power", "W"}};
+      {"a power", "W"},       {"a viscosity", "Pa s"}};
   for (const auto& [name, unit] : names) {
     if (parse_unit(unit).dimension == dimension) return name;
   }

@@ -181,7 +181,9 @@ std::string place(const Vec3& point) {
 }
 
 std::string bodies_text(const Setup& setup) {
-  std::string text = "bodies:\n";
+  const auto& solver = setup.scene.solver;
+  std::string text = fmt::format("bodies: {}{}\n", solver_name(solver.kind),
+                                 solver.start_in_equilibrium ? ", from the equilibrium under the loads of time 0" : "");
   for (const auto& body : setup.body_counts) {
     const auto& scene_body = *std::find_if(setup.scene.bodies.begin(), setup.scene.bodies.end(),
                                            [&](const auto& candidate) { return candidate.name == body.name; });
@@ -223,7 +225,10 @@ Steps choose_steps(const Setup& setup, const std::optional<GrainEstimate>& estim
       steps.text += fmt::format("  grains while packing: stable step {:.4g} s\n", soft.limit);
     }
   }
-  if (scene.has_bodies()) {
+  if (scene.has_bodies() && !scene.is_explicit()) {
+    if (scene.time.fem_step) steps.fem = scene.time.fem_step->seconds;
+    steps.text += fmt::format("  bodies: {}\n", scene.is_modal() ? "none" : setup.fem_limit.limiter);
+  } else if (scene.has_bodies()) {
     const auto& limit = setup.fem_limit;
     steps.fem = step_of(scene.time.fem_step, scene.time.fem_fraction, limit.limit);
     steps.text += fmt::format("  bodies: stable step {:.4g} s ({}); at most {:.4g} s is used\n", limit.limit,
@@ -232,10 +237,21 @@ Steps choose_steps(const Setup& setup, const std::optional<GrainEstimate>& estim
   return steps;
 }
 
+/// Steps of implicit bodies: their cost depends on factors and multigrid, so none is promised.
+std::string implicit_cost_text(const Setup& setup, const std::optional<double>& step) {
+  std::string text = "run:\n";
+  for (const auto& stage : setup.scene.stages)
+    text += fmt::format("  stage {}: {:.4g} s in {:.0f} implicit steps{}\n", stage.name, stage.duration,
+                        step ? std::ceil(stage.duration / *step * (1 - 1e-9)) : 1.0,
+                        stage.measure ? ", measured from its start" : "");
+  return text;
+}
+
 std::string cost_text(const Setup& setup, const Steps& steps, std::int64_t spheres) {
-  const Window window = choose_window(steps.dem, steps.fem);
   double duration = 0, elements = 0;
   for (const auto& stage : setup.scene.stages) duration += stage.duration;
+  if (!setup.scene.is_explicit()) return implicit_cost_text(setup, steps.fem);
+  const Window window = choose_window(steps.dem, steps.fem);
   for (const auto& body : setup.body_counts) elements += static_cast<double>(body.elements);
   const double windows = std::ceil(duration / window.length());
   std::string text = "run:\n";
@@ -271,6 +287,7 @@ std::string check(const RunOptions& options) {
   text += estimate ? grains_text(setup, *estimate) : "grains: none: no neighbour search, no contact memory\n";
   text += scene.has_bodies() ? bodies_text(setup) : "bodies: none: no PETSc\n";
   if (!setup.roles->coupled) text += "coupling: none: no exchange\n";
+  if (scene.is_modal()) return text + fmt::format("modes: {} of every body\n", scene.modes);
   const Steps steps = choose_steps(setup, estimate);
   text += "steps:\n" + steps.text;
   return text + cost_text(setup, steps, estimate ? sphere_count(estimate->grains, scene.grains->shapes) : 0);

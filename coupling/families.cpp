@@ -62,14 +62,15 @@ std::string gradings() {
 std::string scene() {
   std::string text;
   for (const base::Table* table :
-       {&scene_table(),         &time_table(),      &grains_table(),  &grain_material_table(), &shape_table(),
-        &grain_table(),         &bonds_table(),     &bond_table(),    &packing_table(),        &layer_table(),
-        &growth_table(),        &vibration_table(), &loosen_table(),  &erode_table(),          &wall_table(),
-        &wall_material_table(), &body_table(),      &support_table(), &contact_table(),        &stage_table(),
-        &result_table(),        &output_table()}) {
+       {&scene_table(),   &time_table(),          &fem_table(),       &grains_table(),   &grain_material_table(),
+        &shape_table(),   &grain_table(),         &bonds_table(),     &bond_table(),     &packing_table(),
+        &layer_table(),   &growth_table(),        &vibration_table(), &loosen_table(),   &erode_table(),
+        &wall_table(),    &wall_material_table(), &body_table(),      &support_table(),  &absorbing_table(),
+        &contact_table(), &stage_table(),         &result_table(),    &spectrum_table(), &output_table()}) {
     text += base::describe(*table) + "\n";
   }
-  return text + "further families: " + base::join({"gradings", "histories", "loads", "materials", "probes"}) + "\n";
+  return text +
+         "further families: " + base::join({"gradings", "histories", "loads", "materials", "motions", "probes"}) + "\n";
 }
 
 struct FamilyRow {
@@ -85,6 +86,7 @@ const FamilyRow family_rows[] = {
     {"materials", [] { return describe_all(material_family()); }},
     {"histories", [] { return describe_all(base::history_family("N")); }},
     {"loads", [] { return describe_all(load_family()); }},
+    {"motions", [] { return describe_all(motion_family()); }},
     {"gradings", gradings},
     {"probes", probes},
     {"results", [] { return base::describe(result_table()); }},

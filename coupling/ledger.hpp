@@ -22,8 +22,8 @@ class Ledger {
   double external_work() const { return work_; }           // [J] largest |loads| + |gravity| + |walls| so far
   double interface_mismatch() const { return mismatch_; }  // [J] sum of both sides' views at the last add()
   double stored_at_start() const { return start_.grains.stored() + start_.bodies.stored(); }  // [J]
-  /// Largest |residual| so far over the largest external work so far; over the energy at the start when no work was
-  /// done.
+  /// Largest |residual| so far over the largest external work so far; over the energy at the start where less than
+  /// a millionth of it was done as work.
   double relative_error() const;
   const Sides& last() const { return last_; }
 

@@ -14,9 +14,11 @@
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
 #include "coupling/grain_files.hpp"
+#include "coupling/modal_run.hpp"
 #include "coupling/run_files.hpp"
 #include "coupling/run_loop.hpp"
 #include "coupling/setup.hpp"
+#include "coupling/spectrum.hpp"
 #include "coupling/summary.hpp"
 
 namespace coupling {
@@ -73,13 +75,16 @@ void finish(const Setup& setup, const fs::path& directory, const FailureText& fa
   summary.message = failure.text;
   write_file(directory / "summary.json", to_json(summary, outcomes));
   if (failure.kind != Failure::none) return;
+  const std::string spectra = spectra_text(setup.scene, series);
+  if (!spectra.empty()) write_file(directory / "spectra.csv", spectra);
   if (!outcomes.empty()) spdlog::info("\n{}", table(outcomes));
   if (summary.measured) {
     spdlog::info("energy error {:.3g} of the work done, momentum error {:.2g} of the impulse passed",
                  summary.ledger.relative_error(), summary.momentum_error);
   }
-  spdlog::info("{:.4g} s simulated in {:.1f} s; results in {}", summary.time_simulated, summary.wall,
-               directory.string());
+  spdlog::info("{} in {:.1f} s; results in {}",
+               setup.scene.is_modal() ? "modes found" : fmt::format("{:.4g} s simulated", summary.time_simulated),
+               summary.wall, directory.string());
 }
 
 }  // namespace
@@ -111,6 +116,10 @@ void run(const RunOptions& options) {
   });
   Series series;
   const FailureText failure = caught([&] {
+    if (setup.scene.is_modal()) {
+      run_modal(setup, directory, summary, series);
+      return;
+    }
     RunLoop loop(setup, directory, summary, series);
     loop.run(options.until);
   });

@@ -51,7 +51,7 @@ void remove_run(const fs::path& directory) {
     if (path.extension() == ".pvd") gone.push_back(directory / path.stem());
     if (path.extension() == ".pvd" || path.extension() == ".part" || name == "scene.resolved.toml" ||
         name == "summary.json" || name == "history.csv" || name == "run.log" || name == "sieve_curve.csv" ||
-        name == "contact_forces.csv")
+        name == "spectra.csv" || name == "contact_forces.csv")
       gone.push_back(path);
   }
   for (const fs::path& path : gone) {

@@ -38,9 +38,10 @@ std::vector<std::string> history_columns(const Scene& scene) {
   std::vector<std::string> columns{"time [s]", "stage [-]"};
   for (const auto& probe : scene.probes)
     columns.push_back(fmt::format("{} [{}]", probe.name, probe.unit.empty() ? "-" : probe.unit));
-  for (const char* name : {"kinetic", "elastic", "strain", "work_gravity", "work_loads", "work_walls",
-                           "interface_seen_by_grains", "interface_seen_by_bodies", "loss_friction",
-                           "loss_contact_damping", "loss_rolling", "loss_breakage", "loss_damping", "residual"})
+  for (const char* name :
+       {"kinetic", "elastic", "strain", "work_gravity", "work_loads", "work_walls", "interface_seen_by_grains",
+        "interface_seen_by_bodies", "loss_friction", "loss_contact_damping", "loss_rolling", "loss_breakage",
+        "loss_damping", "loss_viscous", "loss_plastic", "residual"})
     columns.push_back(fmt::format("energy_{} [J]", name));
   columns.push_back("momentum_error [-]");
   return columns;
@@ -51,7 +52,7 @@ void append_energy(std::vector<double>& row, const Sides& sides, const Ledger& l
   row.insert(row.end(), {g.kinetic + b.kinetic, g.elastic_normal + g.elastic_shear + g.elastic_bonds, b.strain,
                          g.work_gravity + b.work_gravity, b.work_loads, g.work_walls, g.work_interface,
                          b.work_interface, g.loss_friction, g.loss_contact_damping, g.loss_rolling, g.loss_breakage,
-                         g.loss_damping + b.loss_damping, ledger.residual()});
+                         g.loss_damping + b.loss_damping, b.loss_viscous, b.loss_plastic, ledger.residual()});
 }
 
 }  // namespace
@@ -345,6 +346,7 @@ void RunLoop::run(std::optional<double> until) {
   stop = caught([&] {
     for (const auto& stage : setup_.scene.stages) {
       setup_.choose_window(std::numeric_limits<double>::infinity());
+      setup_.fit_to(stage.duration);
       obey_contacts();
       begin(stage);
       const double first = time_, end = first + stage.duration;
@@ -415,6 +417,7 @@ void RunLoop::close_summary() {
   summary_.dem_dt = w.dt_dem;
   summary_.fem_dt = w.dt_fem;
   summary_.dem_limiter = setup_.dem_limit.limiter;
+  if (setup_.scene.has_bodies()) summary_.solver = solver_name(setup_.scene.solver.kind);
   summary_.fem_limiter = setup_.fem_limit.limiter;
   summary_.measured = measuring_;
   summary_.ledger = ledger_;

@@ -21,7 +21,8 @@ static_assert(std::is_trivially_copyable_v<base::Energy> && sizeof(base::Energy)
 
 bool is_body_probe(const Probe& probe) {
   return probe.kind == ProbeKind::displacement || probe.kind == ProbeKind::velocity ||
-         probe.kind == ProbeKind::acceleration || probe.kind == ProbeKind::load;
+         probe.kind == ProbeKind::acceleration || probe.kind == ProbeKind::load || probe.kind == ProbeKind::reaction ||
+         probe.kind == ProbeKind::body_stress;
 }
 
 bool follows_grain(const Probe& probe) {
@@ -29,7 +30,22 @@ bool follows_grain(const Probe& probe) {
          probe.kind == ProbeKind::grain_displacement || probe.kind == ProbeKind::grain_angular_velocity;
 }
 
+/// In the order of stress_components().
+double stress_component(const std::array<double, 6>& stress, int component) {
+  if (component < 6) return stress[static_cast<std::size_t>(component)];
+  return component == 6 ? fem::von_mises(stress) : fem::principal(stress)[static_cast<std::size_t>(component - 7)];
+}
+
 }  // namespace
+
+double combined(const Probe& probe, std::span<const double> taken) {
+  if (probe.kind == ProbeKind::angle) return probe.scale * std::atan2(taken[probe.of[0]], taken[probe.of[1]]);
+  if (probe.kind == ProbeKind::quotient)
+    return taken[probe.of[1]] == 0 ? 0 : probe.scale * taken[probe.of[0]] / taken[probe.of[1]];
+  double sum = probe.offset;
+  for (std::size_t k = 0; k < probe.of.size(); ++k) sum += probe.factors[k] * taken[probe.of[k]];
+  return probe.scale * sum;
+}
 
 Sampler::Sampler(const Roles& roles, const Scene& scene, dem::Simulation* grains, fem::Model* bodies,
                  const std::vector<base::Skin>& skins, std::vector<int> walls, std::vector<int> named_walls)
@@ -91,7 +107,7 @@ Sampler::Sample Sampler::sample(bool thorough) {
     if (is_body_probe(probe))
       kept_[p] = from_bodies[next++];
     else if (!probe.of.empty())
-      kept_[p] = combination(probe);
+      kept_[p] = combined(probe, kept_);
     else if (probe.kind == ProbeKind::wall_displacement || probe.kind == ProbeKind::wall_velocity)
       kept_[p] = wall_probe(probe, kept_[p]);
     else if (!slow || thorough)
@@ -103,6 +119,10 @@ Sampler::Sample Sampler::sample(bool thorough) {
 
 double Sampler::body_probe(const Probe& probe) const {
   if (probe.kind == ProbeKind::load) return probe.scale * bodies_->load_value(probe.load);
+  if (probe.kind == ProbeKind::body_stress)
+    return probe.scale * stress_component(bodies_->stress_at(probe.body, *probe.point), probe.component);
+  if (probe.kind == ProbeKind::reaction)
+    return probe.scale * bodies_->reaction(probe.body, probe.group)[probe.component];
   const auto quantity = probe.kind == ProbeKind::displacement ? fem::Quantity::displacement
                         : probe.kind == ProbeKind::velocity   ? fem::Quantity::velocity
                                                               : fem::Quantity::acceleration;
@@ -124,16 +144,6 @@ double Sampler::wall_probe(const Probe& probe, double last) const {
   const auto zero = wall_zero_.find(probe.wall);
   const Vec3 moved = grains_->wall_displacement(wall) - (zero == wall_zero_.end() ? Vec3{} : zero->second);
   return probe.scale * (moves ? grains_->wall_velocity(wall) : moved)[probe.component];
-}
-
-/// Of probes that have been taken already.
-double Sampler::combination(const Probe& probe) const {
-  if (probe.kind == ProbeKind::angle) return probe.scale * std::atan2(kept_[probe.of[0]], kept_[probe.of[1]]);
-  if (probe.kind == ProbeKind::quotient)
-    return kept_[probe.of[1]] == 0 ? 0 : probe.scale * kept_[probe.of[0]] / kept_[probe.of[1]];
-  double sum = probe.offset;
-  for (std::size_t k = 0; k < probe.of.size(); ++k) sum += probe.factors[k] * kept_[probe.of[k]];
-  return probe.scale * sum;
 }
 
 double Sampler::contact_force(const Probe& probe) const {

@@ -13,6 +13,9 @@
 
 namespace coupling {
 
+/// A sum, quotient or angle of probes that have been taken already.
+double combined(const Probe&, std::span<const double> taken);
+
 class Sampler {
  public:
   /// `grains` is null off the DEM rank, `bodies` off the FEM ranks; `walls[s]` is the DEM's number of skin s,
@@ -37,7 +40,6 @@ class Sampler {
   double body_probe(const Probe&) const;
   double contact_force(const Probe&) const;
   double wall_probe(const Probe&, double last) const;
-  double combination(const Probe&) const;
   int wall_number(const std::string& name) const;
   const dem::Grain& grain(std::int64_t id) const;
 

@@ -46,6 +46,7 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<Override>&
   scene.gravity = root.at("gravity").vector();
   scene.time = read_time(root.at("time"));
   scene.output = read_output(root.at("output"));
+  build_solver(root, scene);
   build_stages(root, scene);
   build_bodies(root, scene);
   build_grains(root, scene);
@@ -55,6 +56,7 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<Override>&
   }
   build_probes(root, scene);
   build_results(root, scene);
+  build_spectra(root, scene);
   scene.packing_hash = packing_hash(root, scene);
   scene.resolved_toml =
       fmt::format("# {} with every default and derived value, in SI units. Can be run again.\n# Trackbed {}\n\n{}",

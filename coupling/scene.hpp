@@ -217,7 +217,10 @@ enum class ProbeKind {
   wall_velocity,  // of a rigid wall, component
   sum,
   quotient,
-  angle  // of other probes that stand before it
+  angle,  // of other probes that stand before it
+  reaction,
+  mode_frequency,
+  body_stress  // of a body
 };
 struct Probe {
   std::string name;
@@ -231,6 +234,7 @@ struct Probe {
   double scale = 1;
   int component = 2;
   std::int64_t grain = 0;
+  int mode = 1;                 // 1: the lowest
   std::vector<std::size_t> of;  // indices of other probes
   std::vector<double> factors;  // of a sum
   double offset = 0;            // of a sum
@@ -253,6 +257,13 @@ struct Result {
   std::string origin;
 };
 
+/// A column of spectra.csv.
+struct SpectrumScene {
+  std::string name, probe, over;  // over: empty, or what divides
+  std::string unit;
+  double bandwidth = 0;  // [Hz] of Parzen's window; 0: none
+};
+
 struct Output {
   double interval = 0;         // [s] between pictures of the state; 0: only the last
   double probe_interval = 0;   // [s] between rows of history.csv; 0: every window
@@ -268,14 +279,19 @@ struct Scene {
   std::vector<Stage> stages;
   std::optional<GrainsScene> grains;  // absent: no DEM at all
   std::vector<fem::Body> bodies;      // empty: no FEM at all
+  fem::SolverSettings solver;         // of the bodies
+  int modes = 6;                      // of every body, where the solver is modal
   std::vector<Probe> probes;
   std::vector<Result> results;
+  std::vector<SpectrumScene> spectra;
   Output output;
   std::string resolved_toml;  // scene.resolved.toml: every default and derived value; can be run again
   std::string packing_hash;   // of everything that decides the packing; empty without one
 
   bool has_grains() const { return grains.has_value(); }
   bool has_bodies() const { return !bodies.empty(); }
+  bool is_modal() const { return solver.kind == fem::Solver::modal; }
+  bool is_explicit() const { return solver.kind == fem::Solver::explicit_steps; }
 };
 
 struct Override {
@@ -284,6 +300,9 @@ struct Override {
 
 /// Reads, checks and resolves a scene file. Throws base::UserError with file:line, key, value found, rule and remedy.
 Scene read_scene(const std::filesystem::path& file, const std::vector<Override>& overrides = {});
+
+/// The scene's word for a solver.
+const char* solver_name(fem::Solver);
 
 /// Text of `trackbed list FAMILY`: name, type, unit, range, default, meaning. Throws base::UserError on an unknown
 /// family.

@@ -12,7 +12,8 @@ using base::Value;
 
 void build_stages(Value& root, Scene& scene) {
   auto& rows = root.at("stage").list();
-  if (rows.empty()) fail(root.at("stage"), "a scene needs a stage", "add [[stage]] with a name and a duration");
+  if (scene.is_modal()) return;
+  if (rows.empty()) fail(root, "\"stage\" is missing", "add stage: what happens, in order");
   require_unique(rows, "stage");
   const auto body_names = names_of(root.rows("body"));
   const Value* measured = nullptr;
@@ -29,6 +30,8 @@ void build_stages(Value& root, Scene& scene) {
     }
     stage.hold = row.at("hold").texts();
     for (const auto& body : row.at("hold").list()) require_known(body, body_names, "body", "bodies");
+    if (!scene.is_explicit() && !stage.hold.empty())
+      fail(row.at("hold"), "only fem.solver = \"explicit\" holds bodies in place", "remove it, or support the body");
     stage.ramp_stiffness = row.at("ramp_stiffness").boolean();
     if (stage.ramp_stiffness && !root.has("packing")) {
       fail(row.at("ramp_stiffness"), "there is no packing whose modulus could be ramped",
@@ -77,14 +80,30 @@ fem::Load read_load(const Value& row, const Scene& scene) {
   load.name = row.at("name").text();
   load.group = row.at("group").text();
   const std::string& kind = row.at("kind").text();
-  load.kind = kind == "traction"      ? fem::LoadKind::traction
+  load.kind = kind == "pressure"      ? fem::LoadKind::pressure
+              : kind == "traction"    ? fem::LoadKind::traction
               : kind == "nodal_total" ? fem::LoadKind::nodal_total
                                       : fem::LoadKind::face_total;
-  load.direction = row.at("direction").vector();
-  if (!(base::norm(load.direction) > 0)) fail(row.at("direction"), "must not be zero", "give a direction");
+  if (load.kind != fem::LoadKind::pressure) {
+    load.direction = row.at("direction").vector();
+    if (!(base::norm(load.direction) > 0)) fail(row.at("direction"), "must not be zero", "give a direction");
+  }
   load.history = base::make_history(row.at("history"), history_zero(row.at("history"), scene));
   load.origin = row.origin();
   return load;
+}
+
+fem::PrescribedMotion read_motion(const Value& row, const Scene& scene) {
+  fem::PrescribedMotion motion;
+  motion.name = row.at("name").text();
+  motion.group = row.at("group").text();
+  motion.kind = row.at("kind").text() == "velocity" ? fem::PrescribedMotion::Kind::velocity
+                                                    : fem::PrescribedMotion::Kind::displacement;
+  if (row.at("along").list().empty()) fail(row.at("along"), "leads nowhere", "give some of \"x\", \"y\", \"z\"");
+  for (const auto& axis : row.at("along").texts()) motion.along[static_cast<std::size_t>(axis[0] - 'x')] = true;
+  motion.history = base::make_history(row.at("history"), history_zero(row.at("history"), scene));
+  motion.origin = row.origin();
+  return motion;
 }
 
 fem::MaterialRegion read_material(const Value& row) {
@@ -94,6 +113,15 @@ fem::MaterialRegion read_material(const Value& row) {
   region.young_modulus = row.at("young_modulus").real();
   region.poisson_ratio = row.at("poisson_ratio").real();
   region.density = row.at("density").real();
+  const auto number = [&](const char* key, double& value) {
+    if (const Value* given = row.find(key)) value = given->real();
+  };
+  number("shear_viscosity", region.shear_viscosity);
+  number("bulk_viscosity", region.bulk_viscosity);
+  number("cohesion", region.cohesion);
+  number("friction_angle", region.friction_angle);
+  number("dilation_angle", region.dilation_angle);
+  if (const Value* fit = row.find("fit")) region.fit = fit->text();
   region.origin = row.origin();
   return region;
 }
@@ -117,6 +145,7 @@ fem::Body read_body(const Value& row, const Scene& scene) {
   body.translation = row.at("translation").vector();
   body.gravity = row.at("gravity").boolean();
   body.damping = row.at("damping").real();
+  body.stiffness_damping = row.at("stiffness_damping").real();
   body.skin = row.at("skin").texts();
   body.origin = row.origin();
   const auto& materials = row.at("material").list();
@@ -134,6 +163,9 @@ fem::Body read_body(const Value& row, const Scene& scene) {
     fail(row.at("material"), "a material without a group fills the whole body", "give every material its group");
   }
   for (const auto& support : row.at("support").list()) body.supports.push_back(read_support(support));
+  for (const auto& motion : row.at("motion").list()) body.motions.push_back(read_motion(motion, scene));
+  for (const auto& absorbing : row.at("absorbing").list())
+    body.absorbing.push_back({absorbing.at("group").text(), absorbing.origin()});
   for (const auto& load : row.at("load").list()) body.loads.push_back(read_load(load, scene));
   return body;
 }
@@ -146,6 +178,7 @@ void build_bodies(Value& root, Scene& scene) {
   Value::List loads;
   for (const auto& row : rows) {
     scene.bodies.push_back(read_body(row, scene));
+    loads.insert(loads.end(), row.at("motion").list().begin(), row.at("motion").list().end());
     loads.insert(loads.end(), row.at("load").list().begin(), row.at("load").list().end());
   }
   require_unique(loads, "load");

@@ -50,12 +50,14 @@ double history_zero(const base::Value& history, const Scene&);
 void read_wall_motion(const base::Value& row, const Scene&, WallScene&);
 
 // ---- one for each part of the file; `root` is the checked scene
-void build_stages(base::Value& root, Scene&);
+void build_solver(base::Value& root, Scene&);
+void build_stages(base::Value& root, Scene&);  // after the solver
 void build_bodies(base::Value& root, Scene&);
 void build_grains(base::Value& root, Scene&);
 void build_bonds(base::Value& root, Scene&);  // after the grains
 void build_probes(base::Value& root, Scene&);
 void build_results(base::Value& root, Scene&);
+void build_spectra(base::Value& root, Scene&);  // after the probes
 
 /// FNV-1a over everything that decides the packing.
 std::string packing_hash(const base::Value& root, const Scene&);

@@ -40,7 +40,12 @@ void read_load_name(const Value& name, const Scene& scene, Probe& probe) {
   for (const auto& body : scene.bodies) {
     for (const auto& load : body.loads) {
       names.push_back(load.name);
-      if (load.name == name.text() && load.kind == fem::LoadKind::traction) probe.unit = "Pa";
+      if (load.name == name.text() && (load.kind == fem::LoadKind::traction || load.kind == fem::LoadKind::pressure))
+        probe.unit = "Pa";
+    }
+    for (const auto& motion : body.motions) {
+      names.push_back(motion.name);
+      if (motion.name == name.text()) probe.unit = motion.kind == fem::PrescribedMotion::Kind::velocity ? "m/s" : "m";
     }
   }
   require_known(name, names, "load", "loads");
@@ -116,14 +121,21 @@ Probe read_probe(const Value& row, const Scene& scene) {
   const auto where = kinds[kind].where;
   const bool combined = where == ProbeRow::sum || where == ProbeRow::pair;
   if (combined) read_combination(row, scene, probe);
-  const bool of_grains = where != ProbeRow::body_motion && where != ProbeRow::load && !combined;
+  const bool of_mode = where == ProbeRow::mode;
+  const bool of_body =
+      where == ProbeRow::body_motion || where == ProbeRow::body_group || where == ProbeRow::body_point || of_mode;
+  const bool of_grains = !of_body && where != ProbeRow::load && !combined;
+  if (of_mode != scene.is_modal() && !combined)
+    fail(row.at("kind"),
+         of_mode ? "only fem.solver = \"modal\" finds modes" : "fem.solver = \"modal\" goes through no time",
+         of_mode ? "remove the probe, or choose that solver" : "use kind = \"mode_frequency\"");
   if (of_grains && !scene.has_grains()) fail(row.at("kind"), "there are no grains to measure", "remove the probe");
   if (probe.kind == ProbeKind::broken_bonds && !scene.grains->bonding.any())
     fail(row.at("kind"), "no grains are bonded", "add [grains.bond] or [[bond]], or remove the probe");
   if (where == ProbeRow::body_motion) require_one(row, "group", "point");
   if (where == ProbeRow::contact || where == ProbeRow::contact_area) require_one(row, "body", "wall");
   if (const Value* body = row.find("body")) {
-    require_body(*body, scene, where != ProbeRow::body_motion);
+    require_body(*body, scene, !of_body);
     probe.body = body->text();
   }
   if (const Value* group = row.find("group")) probe.group = group->text();
@@ -132,8 +144,18 @@ Probe read_probe(const Value& row, const Scene& scene) {
   if (const Value* area = row.find("area")) probe.area = area->real();
   if (const Value* load = row.find("load")) read_load_name(*load, scene, probe);
   if (const Value* wall = row.find("wall")) read_wall_name(*wall, scene, probe);
-  if (const Value* component = row.find("component"); component && where != ProbeRow::stress)
+  const Value* component = row.find("component");
+  if (component && where == ProbeRow::body_point) {
+    const auto& names = stress_components();
+    probe.component = static_cast<int>(std::find(names.begin(), names.end(), component->text()) - names.begin());
+  } else if (component && where != ProbeRow::stress) {
     probe.component = component->text()[0] - 'x';
+  }
+  if (const Value* mode = row.find("mode")) {
+    probe.mode = static_cast<int>(mode->integer());
+    if (probe.mode > scene.modes)
+      fail(*mode, fmt::format("fem.modes = {}", scene.modes), "ask for more modes, or for a lower one");
+  }
   if (const Value* grain = row.find("grain")) read_grain_number(*grain, scene, probe);
   if (where == ProbeRow::grain) require_one(row, "grain", "point");
   if (measures_grains(probe.kind)) probe.look = read_grain_probe(row, where);

@@ -227,15 +227,37 @@ const Table& packing_table() {
 }
 
 const Family& material_family() {
+  const auto row = [](const char* law, const char* meaning, const std::vector<base::Parameter>& own_parameters) {
+    const auto selector = base::text("law", "stress from strain").among({law});
+    const bool usual = std::string(law) == "linear_elastic";
+    return Table{law, meaning,
+                 joined({usual ? selector.otherwise(law) : selector,
+                         base::text("group", "physical volume of the mesh").otherwise(""), young_modulus("the solid"),
+                         base::real("poisson_ratio", "", "Poisson ratio of the solid").above(-1).below(0.5),
+                         base::real("density", "kg/m3", "density of the solid").above(0)},
+                        own_parameters)};
+  };
+  const std::vector<base::Parameter> viscosity{
+      base::real("shear_viscosity", "Pa s", "mu_D of Nishiura2017 eq. 7").at_least(0).otherwise(0.0),
+      base::real("bulk_viscosity", "Pa s", "lambda_D + 2/3 mu_D of Nishiura2017 eq. 7").at_least(0).otherwise(0.0)};
   static const Family family{
       "law",
       "materials",
-      {{"linear_elastic",
-        "isotropic Hooke's law, small strains",
-        {base::text("law", "stress from strain").among({"linear_elastic"}).otherwise("linear_elastic"),
-         base::text("group", "physical volume of the mesh").otherwise(""), young_modulus("the solid"),
-         base::real("poisson_ratio", "", "Poisson ratio of the solid").above(-1).below(0.5),
-         base::real("density", "kg/m3", "density of the solid").above(0)}}}};
+      {row("linear_elastic", "isotropic Hooke's law, small strains", {}),
+       row("kelvin_voigt", "Hooke's spring and a viscous dashpot side by side, small strains (Nishiura2017 eq. 7-8)",
+           viscosity),
+       row("left_cauchy_green",
+           "the same in the left Green-Lagrange strain, for bodies that turn (Nishiura2017 eq. 2-4)", viscosity),
+       row("drucker_prager",
+           "elastic, perfectly plastic with friction; sqrt(J2) + alpha I1 <= k, tension positive, small strains",
+           joined(
+               {base::real("cohesion", "Pa", "c").at_least(0), base::real("friction_angle", "rad", "phi").at_least(0),
+                base::real("dilation_angle", "rad", "psi, at most phi").at_least(0).otherwise(0.0),
+                base::text("fit",
+                           "of the cone to c and phi: outer (triaxial compression), inner (extension), plane_strain")
+                    .among({"outer", "inner", "plane_strain"})
+                    .otherwise("outer")},
+               viscosity))}};
   return family;
 }
 
@@ -247,22 +269,50 @@ const Table& support_table() {
   return table;
 }
 
-const Family& load_family() {
+const Table& absorbing_table() {
+  static const Table table{"body.absorbing",
+                           "a surface that lets waves out: dashpots rho c_p along its normal, rho c_s across (Lysmer, "
+                           "Kuhlemeyer 1969); it holds no static load",
+                           {base::text("group", "physical surface of the mesh")}};
+  return table;
+}
+
+const Family& motion_family() {
   const auto row = [](const char* kind, const char* meaning, const char* unit) {
     return Table{
         kind,
         meaning,
-        {base::name("name", "for history.csv and probes"),
-         base::text("kind", "how the history's value acts").among({kind}),
+        {base::name("name", "for history.csv and probes"), base::text("kind", "what the history gives").among({kind}),
          base::text("group", "physical group of the mesh"),
-         base::vector("direction", "", "multiplied by the history's value"),
+         base::texts("along", "directions that follow the history").among({"x", "y", "z"}),
          base::table("history", base::history_family(unit), "value over time, see `trackbed list histories`")}};
+  };
+  static const Family family{"kind",
+                             "motions",
+                             {row("displacement", "a group whose displacement is given", "m"),
+                              row("velocity", "a group whose velocity is given", "m/s")}};
+  return family;
+}
+
+const Family& load_family() {
+  const auto row = [](const char* kind, const char* meaning, const char* unit) {
+    Table table{kind,
+                meaning,
+                {base::name("name", "for history.csv and probes"),
+                 base::text("kind", "how the history's value acts").among({kind}),
+                 base::text("group", "physical group of the mesh")}};
+    if (std::string(kind) != "pressure")
+      table.parameters.push_back(base::vector("direction", "", "multiplied by the history's value"));
+    table.parameters.push_back(
+        base::table("history", base::history_family(unit), "value over time, see `trackbed list histories`"));
+    return table;
   };
   static const Family family{"kind",
                              "loads",
                              {row("face_total", "total force spread evenly over the area of a surface", "N"),
                               row("nodal_total", "total force shared equally by the nodes of a group", "N"),
-                              row("traction", "force per area of a surface", "Pa")}};
+                              row("traction", "force per area of a surface", "Pa"),
+                              row("pressure", "against the outward normal of an outer surface; > 0 presses", "Pa")}};
   return family;
 }
 
@@ -284,9 +334,15 @@ const Table& body_table() {
        base::vector("translation", "m", "added to every node").otherwise(Vec3{}),
        base::boolean("gravity", "false: starts in geostatic balance, its own weight is left out").otherwise(true),
        base::real("damping", "1/s", "mass-proportional damping -alpha m v").at_least(0).otherwise(0.0),
+       base::real("stiffness_damping", "s",
+                  "stiffness-proportional (Rayleigh) damping beta: viscosity beta mu and beta K; shortens explicit steps")
+           .at_least(0)
+           .otherwise(0.0),
        base::texts("skin", "physical surfaces that grains can touch").otherwise_empty(),
        base::tables("material", material_family(), "one, or one per physical volume"),
        base::tables("support", support_table(), "where it is held").otherwise_empty(),
+       base::tables("motion", motion_family(), "where it is driven").otherwise_empty(),
+       base::tables("absorbing", absorbing_table(), "where waves leave it").otherwise_empty(),
        base::tables("load", load_family(), "what pulls on it").otherwise_empty(),
        base::table("contact", contact_table(), "of its skin with grains").optional("all as in [grains]")}};
   return table;
@@ -314,7 +370,7 @@ const std::vector<ProbeRow>& probe_rows() {
       {"displacement", "m", "displacement of a body", ProbeRow::body_motion},
       {"velocity", "m/s", "velocity of a body", ProbeRow::body_motion},
       {"acceleration", "m/s2", "acceleration of a body", ProbeRow::body_motion},
-      {"load", "N", "value of a named load (traction: Pa)", ProbeRow::load},
+      {"load", "N", "value of a named load (traction, pressure: Pa) or motion (m, m/s)", ProbeRow::load},
       {"contact_force", "N", "sum of the grains' forces on a body or wall", ProbeRow::contact},
       {"contact_stress", "Pa", "the same over an area", ProbeRow::contact_area},
       {"porosity", "", "share of a region that no grain fills", ProbeRow::region},
@@ -338,8 +394,17 @@ const std::vector<ProbeRow>& probe_rows() {
       {"wall_velocity", "m/s", "velocity of a rigid wall", ProbeRow::wall},
       {"sum", "", "offset + sum of factor x probe, in the probes' unit", ProbeRow::sum},
       {"quotient", "", "one probe over another; 0 while that one is 0", ProbeRow::pair},
-      {"angle", "rad", "arc tangent of one probe over another", ProbeRow::pair}};
+      {"angle", "rad", "arc tangent of one probe over another", ProbeRow::pair},
+      {"reaction", "N", "sum of the supports' forces on the nodes of a group of a body", ProbeRow::body_group},
+      {"mode_frequency", "Hz", "frequency of an elastic mode of a body, of fem.solver = \"modal\"", ProbeRow::mode},
+      {"body_stress", "Pa", "stress of a body at a node, from the elements around it", ProbeRow::body_point}};
   return rows;
+}
+
+const std::vector<std::string>& stress_components() {
+  static const std::vector<std::string> names{"xx", "yy",        "zz",          "xy",          "yz",
+                                              "xz", "von_mises", "principal_1", "principal_2", "principal_3"};
+  return names;
 }
 
 namespace {
@@ -397,6 +462,20 @@ Table probe_table(const ProbeRow& row) {
     case ProbeRow::pair:
       list.push_back(base::texts("of", "names of two probes that stand before this one: over, under"));
       break;
+    case ProbeRow::body_group:
+      list.push_back(base::text("body", "name of the body"));
+      list.push_back(base::text("group", "physical group of its mesh"));
+      list.push_back(component);
+      break;
+    case ProbeRow::body_point:
+      list.push_back(base::text("body", "name of the body"));
+      list.push_back(base::vector("point", "m", "at the node nearest to this point"));
+      list.push_back(base::text("component", "of the stress").among(stress_components()).otherwise("von_mises"));
+      break;
+    case ProbeRow::mode:
+      list.push_back(base::text("body", "name of the body"));
+      list.push_back(base::integer("mode", "its number, 1: the lowest").at_least(1));
+      break;
   }
   list.push_back(base::real("scale", "", "factor on the value").otherwise(1.0));
   return table;
@@ -453,15 +532,17 @@ const Table& scene_table() {
                            {base::text("title", "one line").otherwise(""),
                             base::vector("gravity", "m/s2", "acceleration of free fall").otherwise(Vec3{0, 0, -9.81}),
                             base::table("time", time_table(), "steps").otherwise_empty(),
+                            base::table("fem", fem_table(), "how the bodies are solved").optional("explicit"),
                             base::table("grains", grains_table(), "what all grains share").optional("no DEM"),
                             base::tables("grain", grain_table(), "grains one by one").otherwise_empty(),
                             base::tables("bond", bond_table(), "bonds one by one").otherwise_empty(),
                             base::table("packing", packing_table(), "how the bed is made").optional("only [[grain]]"),
                             base::tables("wall", wall_table(), "rigid walls").otherwise_empty(),
                             base::tables("body", body_table(), "deformable bodies").otherwise_empty(),
-                            base::tables("stage", stage_table(), "what happens, in order"),
+                            base::tables("stage", stage_table(), "what happens, in order").otherwise_empty(),
                             base::tables("probe", probe_family(), "columns of history.csv").otherwise_empty(),
                             base::tables("result", result_table(), "numbers of summary.json").otherwise_empty(),
+                            base::tables("spectrum", spectrum_table(), "columns of spectra.csv").otherwise_empty(),
                             base::table("output", output_table(), "what is written").otherwise_empty()}};
   return table;
 }

@@ -26,15 +26,22 @@ const base::Table& vibration_table();
 const base::Table& loosen_table();
 const base::Table& erode_table();
 // ----
+const base::Table& fem_table();  // solver_tables.cpp
 const base::Table& body_table();
 const base::Family& material_family();  // by law
 const base::Table& support_table();
+const base::Table& absorbing_table();
+const base::Family& motion_family();
 const base::Family& load_family();  // by kind
 const base::Table& contact_table();
 const base::Table& stage_table();
 const base::Family& probe_family();  // by kind
 const base::Table& result_table();
+const base::Table& spectrum_table();  // scene_spectra.cpp
 const base::Table& output_table();
+
+/// Components of a body's stress that a probe can take, in the order of Probe::component.
+const std::vector<std::string>& stress_components();
 
 /// One row per probe kind, in the order of ProbeKind.
 struct ProbeRow {
@@ -57,7 +64,10 @@ struct ProbeRow {
     grain,
     wall,
     sum,
-    pair
+    pair,
+    body_group,
+    mode,
+    body_point
   } where;
 };
 const std::vector<ProbeRow>& probe_rows();

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/error.hpp"
@@ -37,7 +38,7 @@ Setup::Setup(MPI_Comm world, const RunOptions& options_) : options(options_) {
   agree(world, [&] {
     if (!roles->is_fem) return;
     library = std::make_unique<fem::Library>(roles->fem);
-    bodies = fem::Model::create(roles->fem, {scene.bodies, scene.gravity});
+    bodies = fem::Model::create(roles->fem, {scene.bodies, scene.gravity, scene.solver});
     body_counts = bodies->counts();
     check_overlaps(scene, body_counts);
     fem_limit = bodies->stable_step();
@@ -166,8 +167,18 @@ double Setup::wanted_dem_step() const { return step_of(scene.time.dem_step, scen
 void Setup::choose_window(double longest) {
   std::optional<double> d, f;
   if (scene.has_grains()) d = std::min(wanted_dem_step(), longest);
+  if (scene.has_bodies() && !scene.is_explicit()) {
+    window = {0, 1, 0, scene.time.fem_step ? scene.time.fem_step->seconds : 0};
+    return;
+  }
   if (scene.has_bodies()) f = step_of(scene.time.fem_step, scene.time.fem_fraction, fem_limit.limit);
   window = coupling::choose_window(d, f);
+}
+
+void Setup::fit_to(double duration) {
+  if (scene.is_explicit()) return;
+  const double wanted = scene.time.fem_step ? scene.time.fem_step->seconds : duration;
+  window.dt_fem = duration / std::ceil(duration / wanted * (1 - 1e-9));
 }
 
 void Setup::aim_at(double duration) {
@@ -178,7 +189,7 @@ void Setup::aim_at(double duration) {
 void Setup::report_steps() const {
   if (scene.has_grains())
     spdlog::info("DEM step {:.3g} s (limit {:.3g} s: {})", window.dt_dem, dem_limit.limit, dem_limit.limiter);
-  if (scene.has_bodies())
+  if (scene.has_bodies() && scene.is_explicit())
     spdlog::info("FEM step {:.3g} s (limit {:.3g} s: {})", window.dt_fem, fem_limit.limit, fem_limit.limiter);
   if (roles->coupled)
     spdlog::info("window {:.3g} s = {} DEM step{} = {} FEM step{}", window.length(), window.n_dem,

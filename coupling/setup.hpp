@@ -30,6 +30,8 @@ class Setup {
   void look_at_the_start();
   /// The window with no DEM step longer than `longest` [s]. The same on every rank if `longest` is.
   void choose_window(double longest);
+  /// Implicit bodies: the longest step wanted that goes into this time [s] a whole number of times.
+  void fit_to(double duration);
   /// Without a partner a side has nobody to wait for: as many steps go into the next window as fill this time [s].
   void aim_at(double duration);
 

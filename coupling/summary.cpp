@@ -35,6 +35,8 @@ Json energy_json(const Ledger& ledger) {
   json["loss_rolling"] = number(grains.loss_rolling);
   json["loss_breakage"] = number(grains.loss_breakage);
   json["loss_damping"] = number(grains.loss_damping + bodies.loss_damping);
+  json["loss_viscous"] = number(bodies.loss_viscous);
+  json["loss_plastic"] = number(bodies.loss_plastic);
   json["residual"] = number(ledger.residual());
   json["external_work"] = number(ledger.external_work());
   json["relative_error"] = number(ledger.relative_error());
@@ -54,6 +56,19 @@ Json results_json(std::span<const Outcome> outcomes) {
     if (outcome.relative_error) entry["relative_error"] = number(*outcome.relative_error);
     if (outcome.within) entry["within"] = *outcome.within;
     json[result.name] = entry;
+  }
+  return json;
+}
+
+Json modes_json(std::span<const fem::BodyModes> bodies) {
+  Json json = Json::object();
+  for (const auto& body : bodies) {
+    Json modes = Json::array();
+    for (const auto& mode : body.modes) {
+      const auto& mass = mode.effective_mass;
+      modes.push_back({{"frequency_hz", number(mode.frequency)}, {"effective_mass_kg", {mass.x, mass.y, mass.z}}});
+    }
+    json[body.body] = {{"rigid_motions", body.rigid_motions}, {"modes", modes}};
   }
   return json;
 }
@@ -91,6 +106,7 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
   json["threads"] = run.threads;
   json["backend"] = run.backend;
   json["precision"] = run.precision;
+  if (!run.solver.empty()) json["solver"] = run.solver;
   json["grains"] = run.grains;
   json["spheres"] = run.spheres;
   json["elements"] = run.elements;
@@ -118,6 +134,7 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
   if (run.dem_bytes > 0) json["dem_bytes"] = run.dem_bytes;
   if (run.measured) json["energy"] = energy_json(run.ledger);
   json["momentum_error"] = number(run.momentum_error);
+  if (!run.modes.empty()) json["modes"] = modes_json(run.modes);
   json["results"] = results_json(outcomes);
   return json.dump(2) + "\n";
 }

@@ -15,6 +15,8 @@ struct Summary {
   double time_simulated = 0, wall = 0, packing_wall = 0;  // [s]
   int ranks = 1, threads = 1;
   std::string backend, precision = "double";
+  std::string solver;                 // of the bodies; empty without any
+  std::vector<fem::BodyModes> modes;  // of a modal scene
   std::int64_t grains = 0, spheres = 0, elements = 0;
   std::int64_t dem_steps = 0, fem_steps = 0, windows = 0;
   double dem_dt = 0, fem_dt = 0;  // [s]

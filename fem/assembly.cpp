@@ -32,23 +32,49 @@ Assembly::Assembly(const Setup& setup, const std::vector<Mesh>& meshes, const La
         }
         if (part.elements.empty()) continue;
         part.block = ElementBlock::make({body.element, body.materials[region], places, connectivity});
+        viscous_ = viscous_ || part.block->viscous();
         (border ? border_ : interior_).push_back(std::move(part));
       }
     }
   }
+  int any = viscous_;
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm_);
+  viscous_ = any != 0;
+}
+
+template <class Parts, class Work>
+void Assembly::overlapped(Parts& interior, Parts& border, const std::vector<NodalField*>& motion, NodalField& forces,
+                          Work&& work) {
+  std::fill(forces.data(), forces.data() + forces.local_size(), 0.0);
+  for (auto& part : interior) work(*part.block, 0, part.block->batches() / 2);
+  for (auto* field : motion) field->end_to_ghosts();
+  for (auto& part : border) work(*part.block, 0, part.block->batches());
+  forces.begin_add_from_ghosts();
+  for (auto& part : interior) work(*part.block, part.block->batches() / 2, part.block->batches());
+  forces.end_add_from_ghosts();
 }
 
 void Assembly::inner_forces(NodalField& displacements, NodalField& forces) const {
-  const double* u = displacements.data();
-  double* f = forces.data();
-  std::fill(f, f + forces.local_size(), 0.0);
-  for (const auto& part : interior_) part.block->add_inner_forces(u, f, 0, part.block->batches() / 2);
-  displacements.end_to_ghosts();
-  for (const auto& part : border_) part.block->add_inner_forces(u, f, 0, part.block->batches());
-  forces.begin_add_from_ghosts();
-  for (const auto& part : interior_)
-    part.block->add_inner_forces(u, f, part.block->batches() / 2, part.block->batches());
-  forces.end_add_from_ghosts();
+  overlapped(interior_, border_, {&displacements}, forces, [&](const ElementBlock& block, int first, int last) {
+    block.add_inner_forces(displacements.data(), forces.data(), first, last);
+  });
+}
+
+void Assembly::linear_forces(NodalField& displacements, NodalField& velocities, NodalField& forces) const {
+  overlapped(interior_, border_, {&displacements, &velocities}, forces,
+             [&](const ElementBlock& block, int first, int last) {
+               block.add_linear_forces(displacements.data(), velocities.data(), forces.data(), first, last);
+             });
+}
+
+Losses Assembly::advance(NodalField& displacements, NodalField& velocities, NodalField& forces) {
+  Losses losses;
+  std::vector<NodalField*> motion{&displacements};
+  if (viscous_) motion.push_back(&velocities);
+  overlapped(interior_, border_, motion, forces, [&](ElementBlock& block, int first, int last) {
+    block.advance(displacements.data(), velocities.data(), forces.data(), losses, first, last);
+  });
+  return losses;
 }
 
 void Assembly::lumped_mass(NodalField& mass) const {
@@ -61,14 +87,44 @@ void Assembly::lumped_mass(NodalField& mass) const {
   mass.end_add_from_ghosts();
 }
 
-std::vector<std::array<double, 6>> Assembly::stresses(int body, const NodalField& displacements) const {
+std::vector<std::array<double, 6>> Assembly::stresses(int body, const NodalField& displacements,
+                                                      const NodalField* velocities) const {
   std::vector<std::array<double, 6>> result;
   for (const auto* parts : {&interior_, &border_}) {
     for (const auto& part : *parts) {
-      if (part.body == body) part.block->stresses(displacements.data(), result);
+      if (part.body == body)
+        part.block->stresses(displacements.data(), velocities ? velocities->data() : nullptr, result);
     }
   }
   return result;
+}
+
+std::vector<double> Assembly::plastic_strains(int body) const {
+  std::vector<double> result;
+  for (const auto* parts : {&interior_, &border_}) {
+    for (const auto& part : *parts) {
+      if (part.body == body) part.block->plastic_strains(result);
+    }
+  }
+  return result;
+}
+
+bool Assembly::has_simple_energy(int body) const {
+  bool simple = true;
+  for (const auto* parts : {&interior_, &border_}) {
+    for (const auto& part : *parts) simple = simple && (part.body != body || part.block->has_simple_energy());
+  }
+  return simple;
+}
+
+double Assembly::stored(int body, const NodalField& displacements) const {
+  double energy = 0;
+  for (const auto* parts : {&interior_, &border_}) {
+    for (const auto& part : *parts) {
+      if (part.body == body) energy += part.block->stored(displacements.data());
+    }
+  }
+  return energy;
 }
 
 std::vector<int> Assembly::elements_of(int body) const {
@@ -81,7 +137,7 @@ std::vector<int> Assembly::elements_of(int body) const {
   return result;
 }
 
-Assembly::Limiter Assembly::limiter() const {
+Assembly::Limiter Assembly::limiter(double rate) const {
   Limiter limiter;
   // among elements that are alike the first in the mesh, so that the answer is the same on any number of ranks
   const auto take = [&](const Limiter& other) {
@@ -96,7 +152,7 @@ Assembly::Limiter Assembly::limiter() const {
       std::vector<int> order(part.elements.size());
       std::iota(order.begin(), order.end(), 0);
       std::ranges::sort(order, {}, [&](int i) { return part.elements[i]; });
-      const auto largest = part.block->largest_element_eigenvalue(limiter.eigenvalue * (1 - alike), order);
+      const auto largest = part.block->largest_element_eigenvalue(limiter.eigenvalue * (1 - alike), order, rate);
       if (largest.element >= 0) take({largest.eigenvalue, part.body, part.elements[largest.element]});
     }
   }

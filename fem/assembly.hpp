@@ -17,18 +17,33 @@ class Assembly {
 
   /// Inner forces [N] of displacements [m] whose begin_to_ghosts() has been called. Collective.
   void inner_forces(NodalField& displacements, NodalField& forces) const;
+  /// The same for small motions about the start: K u + C v. begin_to_ghosts() of both has been called. Collective.
+  void linear_forces(NodalField& displacements, NodalField& velocities, NodalField& forces) const;
+  /// Inner forces of the moving bodies; laws remember this state. The velocities are those of the middle of the step
+  /// that led here; begin_to_ghosts() has been called of the displacements and, if viscous(), of the velocities.
+  /// Returns this rank's losses. Collective.
+  Losses advance(NodalField& displacements, NodalField& velocities, NodalField& forces);
+  bool viscous() const { return viscous_; }
   /// Lumped mass [kg], the same in the three components. Collective.
   void lumped_mass(NodalField& mass) const;
-  /// Mean stress of this rank's elements of a body, in the order of `elements_of`. Ghosts must be up to date.
-  std::vector<std::array<double, 6>> stresses(int body, const NodalField& displacements) const;
+  /// Mean stress of this rank's elements of a body, in the order of `elements_of`; velocities may be null. Ghosts must
+  /// be up to date.
+  std::vector<std::array<double, 6>> stresses(int body, const NodalField& displacements,
+                                              const NodalField* velocities = nullptr) const;
+  /// Largest accumulated plastic strain [-] of each of this rank's elements of a body, in the same order.
+  std::vector<double> plastic_strains(int body) const;
+  /// Elastic energy [J] of this rank's elements of a body; with has_simple_energy() it is half of displacements times
+  /// inner forces. Ghosts must be up to date.
+  double stored(int body, const NodalField& displacements) const;
+  bool has_simple_energy(int body) const;
   std::vector<int> elements_of(int body) const;
 
-  /// The element with the largest eigenvalue of its own, over all ranks. Collective.
+  /// The element with the largest eigenvalue of M^-1 (K + rate C) of its own, over all ranks. Collective.
   struct Limiter {
     double eigenvalue = 0;  // [1/s2] never below the largest of the assembled bodies
     int body = 0, element = 0;
   };
-  Limiter limiter() const;
+  Limiter limiter(double rate = 0) const;
 
  private:
   struct Part {
@@ -36,7 +51,12 @@ class Assembly {
     std::vector<int> elements;
     std::unique_ptr<ElementBlock> block;
   };
+  template <class Parts, class Work>
+  static void overlapped(Parts& interior, Parts& border, const std::vector<NodalField*>& motion, NodalField& forces,
+                         Work&& work);
+
   MPI_Comm comm_;
+  bool viscous_ = false;                 // on any rank
   std::vector<Part> interior_, border_;  // border_: touching ghosts
 };
 

@@ -19,6 +19,12 @@ struct BlockInput {
   int lanes = 0;                      // elements at once: 2 or 4; 0: what suits this machine
 };
 
+/// What laws take out of the mechanics.
+struct Losses {
+  double viscous_power = 0;  // [W]
+  double plastic_work = 0;   // [J] since the last step
+};
+
 /// Relative difference of eigenvalues up to which elements count as alike.
 constexpr double alike = 1e-9;
 
@@ -29,30 +35,50 @@ class ElementBlock {
 
   int elements() const { return elements_; }
   int batches() const { return batches_; }
-  /// Adds the inner forces [N] of the batches [first, last) at the displacements [m] of the local nodes.
+  /// Adds the inner forces [N] of the batches [first, last) at the displacements [m] of the local nodes, at rest. What
+  /// the law remembers stays as it is.
   void add_inner_forces(const double* displacements, double* forces, int first, int last) const;
-  /// Adds each element's lumped (row-sum) mass [kg] to its nodes.
+  /// The same for small motions about the start: K u + C v. Velocities may be null.
+  void add_linear_forces(const double* displacements, const double* velocities, double* forces, int first,
+                         int last) const;
+  /// Adds the inner forces of moving elements; the law remembers this state. The velocities are those of the middle of
+  /// the step that led here.
+  void advance(const double* displacements, const double* velocities, double* forces, Losses&, int first, int last);
+  bool viscous() const { return viscous_; }              // forces depend on velocities
+  bool keeps_history() const { return keeps_history_; }  // on what was before
+  /// The energy stored is half of displacements times inner forces.
+  bool has_simple_energy() const { return has_simple_energy_; }
+  /// Elastic energy [J] of the block.
+  virtual double stored(const double* displacements) const = 0;
+  /// Largest accumulated plastic strain [-] of every element's points; 0 where the law knows none.
+  virtual void plastic_strains(std::vector<double>& result) const = 0;
+  /// Adds each element's lumped mass [kg] to its nodes.
   void add_lumped_mass(double* nodal_mass) const;
 
   /// Mean stress of every element [Pa]: xx, yy, zz, xy, yz, xz.
   virtual void stresses(const double* displacements, std::vector<std::array<double, 6>>& result) const = 0;
-  /// Largest eigenvalue [1/s2] of each element on its own, free, with its own lumped mass, among those whose bound (the
-  /// trace) exceeds `worth`; {0, -1} if there is none. The largest over all elements bounds the assembled one from
-  /// above. Of elements that are alike the first in `order` (all elements, each once) is named.
+  /// The same of moving elements; velocities may be null.
+  virtual void stresses(const double* displacements, const double* velocities,
+                        std::vector<std::array<double, 6>>& result) const = 0;
+  /// Largest eigenvalue [1/s2] of M^-1 (K + rate C) of each element on its own, free, with its own lumped mass M, among
+  /// those whose bound (the trace) exceeds `worth`; {0, -1} if there is none. The largest over all elements bounds the
+  /// assembled one from above. Of elements that are alike the first in `order` (all elements, each once) is named.
   struct Largest {
     double eigenvalue = 0;
     int element = -1;
   };
-  virtual Largest largest_element_eigenvalue(double worth, std::span<const int> order) const = 0;
+  virtual Largest largest_element_eigenvalue(double worth, std::span<const int> order, double rate) const = 0;
 
  protected:
   int elements_ = 0, batches_ = 0, lanes_ = 1, element_nodes_ = 0;
   double density_ = 0;
+  bool viscous_ = false, keeps_history_ = false, has_simple_energy_ = false;
   std::vector<int> nodes_;           // [batch][node][lane]
   std::vector<double> geometry_;     // [batch][number][lane]
   std::vector<double> node_volume_;  // [element][node]
-  ForceKernel kernel_ = nullptr;
-  const void* law_ = nullptr;
+  std::vector<double> history_;      // [batch][number][lane] of the law
+  ForceKernel kernel_ = nullptr, linear_kernel_ = nullptr;
+  const void *law_ = nullptr, *linear_law_ = nullptr;
 };
 
 }  // namespace fem

@@ -4,11 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.hpp"
+#include "fem/elements/hex20.hpp"
+#include "fem/elements/tet10.hpp"
 
 namespace fem {
 namespace {
+
+using Cell = std::array<int, 20>;
 
 constexpr int hexahedron_faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                                         {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
@@ -19,10 +24,10 @@ constexpr int corner_bits[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
 constexpr int corner_of_bits[8] = {0, 1, 3, 2, 4, 5, 7, 6};  // index x + 2 y + 4 z
 
 /// The hexahedron with its numbering turned so that `first` becomes corner 0; still right-handed.
-std::array<int, 8> turned(const std::array<int, 8>& cell, int first) {
+Cell turned(const Cell& cell, int first) {
   const int* s = corner_bits[first];
   const bool swap = (s[0] + s[1] + s[2]) % 2 == 1;  // an odd number of mirrored axes: exchange two of them
-  std::array<int, 8> result{};
+  Cell result{};
   for (int a = 0; a < 8; ++a) {
     int x = corner_bits[a][0], y = corner_bits[a][1];
     if (swap) std::swap(x, y);
@@ -31,16 +36,28 @@ std::array<int, 8> turned(const std::array<int, 8>& cell, int first) {
   return result;
 }
 
-std::array<int, 4> sorted_key(Facet facet) {
-  std::ranges::sort(facet);
-  return facet;
+std::array<int, 4> sorted_key(const Facet& facet) {
+  std::array<int, 4> corners{facet[0], facet[1], facet[2], facet[3]};
+  std::ranges::sort(corners);
+  return corners;
+}
+
+/// Ends of the edges on whose middles the further nodes of a second-order cell lie.
+std::vector<std::array<int, 2>> middle_edges(int corners) {
+  std::vector<std::array<int, 2>> edges;
+  if (corners == 4) {
+    for (const auto& edge : Tet10Shape::middles) edges.push_back({edge[0], edge[1]});
+  } else {
+    for (const auto& edge : Hex20Shape<2>::middles) edges.push_back({edge[0], edge[1]});
+  }
+  return edges;
 }
 
 double determinant(const Vec3& a, const Vec3& b, const Vec3& c) { return base::dot(a, base::cross(b, c)); }
 
 /// Smallest determinant of the three edges that meet in a corner: the Jacobian there, up to the same factor everywhere.
-double smallest_corner_volume(const RawMesh& mesh, const std::array<int, 8>& cell) {
-  if (mesh.cell_nodes == 4) {
+double smallest_corner_volume(const RawMesh& mesh, const Cell& cell) {
+  if (cell_corners(mesh.cell_nodes) == 4) {
     const Vec3 origin = mesh.nodes[cell[0]];
     return determinant(mesh.nodes[cell[1]] - origin, mesh.nodes[cell[2]] - origin, mesh.nodes[cell[3]] - origin);
   }
@@ -74,27 +91,72 @@ void split_into_tetrahedra(RawMesh& mesh, const std::string& head) {
     }
     const auto cell = turned(mesh.cells[e], first);
     for (const auto& tetrahedron : kuhn) {
-      std::array<int, 8> part{};
+      Cell part{};
       for (int a = 0; a < 4; ++a) part[a] = cell[tetrahedron[a]];
       split.cells.push_back(part);
       split.cell_volume.push_back(mesh.cell_volume[e]);
     }
   }
   const FaceTable faces(split);
-  base::require_user(faces.boundary_faces() == 2 * boundary_before,
-                     head +
-                         "element = \"tet4\": the tetrahedra cut from this mesh's hexahedra do not fit together; "
-                         "mesh it with tetrahedra (no Recombine) or use hexahedral elements");
+  base::require_user(
+      faces.boundary_faces() == 2 * boundary_before,
+      head +
+          "element = \"tet4\" or \"tet10\": the tetrahedra cut from this mesh's hexahedra do not fit together; "
+          "mesh it with tetrahedra (no Recombine) or use hexahedral elements");
   for (auto& [name, facets] : split.surfaces) {
     std::vector<Facet> triangles;
-    for (const auto& [a, b, c, d] : facets) {
-      const bool through_ac = faces.find({a, b, c, -1}).cells > 0;
-      triangles.push_back(through_ac ? Facet{a, b, c, -1} : Facet{a, b, d, -1});
-      triangles.push_back(through_ac ? Facet{a, c, d, -1} : Facet{b, c, d, -1});
+    const auto triangle = [](int a, int b, int c) { return Facet{a, b, c, -1, -1, -1, -1, -1}; };
+    for (const auto& facet : facets) {
+      const int a = facet[0], b = facet[1], c = facet[2], d = facet[3];
+      const bool through_ac = faces.find(triangle(a, b, c)).cells > 0;
+      triangles.push_back(through_ac ? triangle(a, b, c) : triangle(a, b, d));
+      triangles.push_back(through_ac ? triangle(a, c, d) : triangle(b, c, d));
     }
     facets = std::move(triangles);
   }
   mesh = std::move(split);
+}
+
+void add_middle_nodes(RawMesh& mesh) {
+  const int corners = cell_corners(mesh.cell_nodes);
+  const auto edges = middle_edges(corners);
+  std::map<std::array<int, 2>, int> middles;
+  const auto key = [](int a, int b) { return std::array{std::min(a, b), std::max(a, b)}; };
+  const auto middle = [&](int a, int b) {
+    const auto found = middles.find(key(a, b));
+    return found == middles.end() ? -1 : found->second;
+  };
+  for (auto& cell : mesh.cells) {
+    for (std::size_t m = 0; m < edges.size(); ++m) {
+      const int a = cell[edges[m][0]], b = cell[edges[m][1]];
+      const auto [place, fresh] = middles.try_emplace(key(a, b), static_cast<int>(mesh.nodes.size()));
+      if (fresh) mesh.nodes.push_back((mesh.nodes[a] + mesh.nodes[b]) * 0.5);
+      cell[corners + m] = place->second;
+    }
+  }
+  mesh.cell_nodes = corners == 4 ? 10 : 20;
+  const auto add = [&](const std::string& group, int node) {
+    if (node >= 0) mesh.nodes_of[group].push_back(node);
+  };
+  for (auto& [name, facets] : mesh.surfaces) {
+    for (auto& facet : facets) {
+      const int count = corners_of(facet);
+      for (int a = 0; a < count; ++a) add(name, facet[4 + a] = middle(facet[a], facet[(a + 1) % count]));
+    }
+  }
+  for (const auto& [name, lines] : mesh.curves) {
+    for (const auto& [a, b] : lines) add(name, middle(a, b));
+  }
+  for (const auto& [name, tags] : mesh.volumes) {
+    for (std::size_t e = 0; e < mesh.cells.size(); ++e) {
+      if (std::ranges::count(tags, mesh.cell_volume[e]) == 0) continue;
+      for (int m = corners; m < mesh.cell_nodes; ++m) add(name, mesh.cells[e][m]);
+    }
+  }
+  for (auto& [name, nodes] : mesh.nodes_of) {
+    std::ranges::sort(nodes);
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  }
 }
 
 void check_volumes(const RawMesh& mesh, const std::string& head) {
@@ -119,15 +181,24 @@ void check_volumes(const RawMesh& mesh, const std::string& head) {
 }
 
 FaceTable::FaceTable(const RawMesh& mesh) {
-  const int faces = mesh.cell_nodes == 8 ? 6 : 4;
+  const bool hexahedra = cell_corners(mesh.cell_nodes) == 8, middles = mesh.cell_nodes > 8;
+  const int faces = hexahedra ? 6 : 4, corners = hexahedra ? 4 : 3;
+  const auto edges = middle_edges(cell_corners(mesh.cell_nodes));
   entries_.reserve(mesh.cells.size() * faces);
-  for (const auto& cell : mesh.cells) {
+  for (std::size_t e = 0; e < mesh.cells.size(); ++e) {
+    const auto& cell = mesh.cells[e];
     for (int f = 0; f < faces; ++f) {
-      Facet facet{-1, -1, -1, -1};
-      const int corners = mesh.cell_nodes == 8 ? 4 : 3;
-      for (int a = 0; a < corners; ++a)
-        facet[a] = cell[corners == 4 ? hexahedron_faces[f][a] : tetrahedron_faces[f][a]];
-      entries_.push_back({sorted_key(facet), facet});
+      Facet facet = no_facet;
+      const int* face = hexahedra ? hexahedron_faces[f] : tetrahedron_faces[f];
+      for (int a = 0; a < corners; ++a) facet[a] = cell[face[a]];
+      for (int a = 0; a < corners && middles; ++a) {
+        const int from = face[a], to = face[(a + 1) % corners];
+        const auto edge = std::ranges::find_if(edges, [&](const auto& ends) {
+          return (ends[0] == from && ends[1] == to) || (ends[0] == to && ends[1] == from);
+        });
+        facet[4 + a] = cell[cell_corners(mesh.cell_nodes) + static_cast<std::size_t>(edge - edges.begin())];
+      }
+      entries_.push_back({sorted_key(facet), facet, static_cast<int>(e)});
     }
   }
   std::ranges::stable_sort(entries_, {}, &Entry::key);
@@ -136,7 +207,7 @@ FaceTable::FaceTable(const RawMesh& mesh) {
 FaceTable::Found FaceTable::find(const Facet& facet) const {
   const auto range = std::ranges::equal_range(entries_, sorted_key(facet), {}, &Entry::key);
   if (range.empty()) return {};
-  return {range.front().facet, static_cast<int>(range.size())};
+  return {range.front().facet, static_cast<int>(range.size()), range.front().cell};
 }
 
 int FaceTable::boundary_faces() const {

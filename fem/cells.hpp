@@ -14,6 +14,9 @@ namespace fem {
 /// Throws base::UserError with `head` where neighbouring cells' diagonals do not meet.
 void split_into_tetrahedra(RawMesh&, const std::string& head);
 
+/// Makes cells of the second order: a node on the straight middle of every edge, also in groups that have the edge.
+void add_middle_nodes(RawMesh&);
+
 /// Throws base::UserError with `head`, the cell and its place where a cell is flat or inside out.
 void check_volumes(const RawMesh&, const std::string& head);
 
@@ -22,8 +25,9 @@ class FaceTable {
  public:
   explicit FaceTable(const RawMesh&);
   struct Found {
-    Facet facet{-1, -1, -1, -1};  // outward from the first cell that has it
-    int cells = 0;                // how many cells have it
+    Facet facet = no_facet;  // outward from the first cell that has it
+    int cells = 0;           // how many cells have it
+    int cell = -1;           // the first
   };
   Found find(const Facet&) const;
   int boundary_faces() const;
@@ -32,6 +36,7 @@ class FaceTable {
   struct Entry {
     std::array<int, 4> key;
     Facet facet;
+    int cell;
   };
   std::vector<Entry> entries_;
 };

@@ -6,10 +6,13 @@
 #include <cmath>
 
 #include "fem/communication.hpp"
+#include "fem/implicit_model.hpp"
 
 namespace fem {
 
 std::unique_ptr<Model> Model::create(MPI_Comm comm, const Setup& setup) {
+  const Solver kind = setup.solver.kind;
+  if (kind == Solver::newmark || kind == Solver::statics) return std::make_unique<ImplicitModel>(comm, setup);
   return std::make_unique<ExplicitModel>(comm, setup);
 }
 
@@ -24,8 +27,10 @@ void ExplicitModel::predict(double dt) {
       u[i] += dt * v[i];
     }
   }
+  lead(dt);
   half_step_ = 0.5 * dt;
   displacement_.begin_to_ghosts();
+  if (assembly_.viscous()) velocity_.begin_to_ghosts();
   // half of each force's work over this step, with the force as it was at its beginning
   for (const auto& load : loads_) {
     double power = 0;
@@ -39,7 +44,14 @@ void ExplicitModel::predict(double dt) {
   }
 }
 
-void ExplicitModel::inner_forces() { assembly_.inner_forces(displacement_, inner_); }
+void ExplicitModel::inner_forces() {
+  const Losses losses = assembly_.advance(displacement_, velocity_, inner_);
+  // Viscous forces are those of the half step before; half of each force's work over a step is a sum of C v v' with the
+  // velocities of two half steps, which is this to the square of the step.
+  ledger_.loss_viscous += 2 * half_step_ * (0.75 * losses.viscous_power + 0.25 * viscous_power_);
+  ledger_.loss_plastic += losses.plastic_work;
+  viscous_power_ = losses.viscous_power;
+}
 
 void ExplicitModel::gather_external_forces(double time) {
   for (const auto& load : loads_) {
@@ -73,6 +85,10 @@ double ExplicitModel::update_accelerations(double dt) {
     const Vec3 gravity = setup_.bodies[b].gravity ? setup_.gravity : Vec3{};
     double loss = 0;
     for (int node = layout_.first_owned[b]; node < layout_.first_owned[b + 1]; ++node) {
+      if (!dashpot_of_.empty() && dashpot_of_[node] >= 0) {
+        measure += absorb(dashpots_[dashpot_of_[node]], static_cast<int>(b), dt);
+        continue;
+      }
       for (int c = 0; c < 3; ++c) {
         const int i = 3 * node + c;
         const double free = inverse_mass_[i] > 0 ? 1.0 : 0.0;
@@ -86,6 +102,7 @@ double ExplicitModel::update_accelerations(double dt) {
     }
     ledger_.loss_damping += alpha * dt * loss;
   }
+  follow(dt);
   return measure;
 }
 
@@ -131,6 +148,7 @@ void ExplicitModel::agree_on_finite(double measure) {
 
 void ExplicitModel::start_accelerations() {
   displacement_.begin_to_ghosts();
+  if (assembly_.viscous()) velocity_.begin_to_ghosts();
   inner_forces();
   gather_external_forces(time_);
   update_accelerations(0);

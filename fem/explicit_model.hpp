@@ -2,9 +2,14 @@
 // The explicit model behind the façade: central difference in velocity form, mass-proportional damping taken at the end
 // of the step.
 //   v_half = v + dt/2 a;   u += dt v_half;   a = (F - alpha m v_half) / (m (1 + alpha dt/2));   v = v_half + dt/2 a
-// which is m a + alpha m v = F with v at the end of the step. Source: Hughes (2000), 9.1; Belytschko (2000), box 6.1.
-// Work of a force over a step: half of (F_old + F_new) . (u_new - u_old). With it kinetic + strain - works + losses
-// changes by dt^2/8 (sum m a^2) only: it stays within that, and does not drift.
+// which is m a + alpha m v = F with v at the end of the step. Viscous stress takes v_half: its damping lags by half a
+// step, and shortens the stable one (stable_step.hpp). Absorbing boundaries are taken at the end of the step as damping
+// is, (m + dt/2 C) a = F - C v_half, and leave it as it is.
+// A prescribed displacement h: a = (h(t + dt) - 2 h(t) + h(t - dt)) / dt^2 leads from one instant to the next exactly.
+// Its work is that of the reaction m a + alpha m v + f_inner - f_outer. Source: Hughes (2000), 9.1; Belytschko (2000),
+// box 6.1. Work of a force over a step: half of (F_old + F_new) . (u_new - u_old). With it kinetic + strain - works +
+// losses changes by dt^2/8 (sum m a^2) only: it stays within that, and does not drift.
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -12,11 +17,13 @@
 
 #include "fem/assembly.hpp"
 #include "fem/fem.hpp"
+#include "fem/modes.hpp"
 #include "fem/output.hpp"
+#include "fem/recovery.hpp"
 
 namespace fem {
 
-class ExplicitModel final : public Model {
+class ExplicitModel : public Model {
  public:
   ExplicitModel(MPI_Comm, const Setup&);
 
@@ -36,11 +43,16 @@ class ExplicitModel final : public Model {
   void reset_energy() override;
   Vec3 probe_group(const std::string& body, const std::string& group, Quantity) const override;
   Vec3 probe_point(const std::string& body, Vec3 point, Quantity) const override;
+  Vec3 reaction(const std::string& body, const std::string& group) const override;
+  std::vector<std::array<double, 6>> element_stresses(const std::string& body) const override;
+  std::array<double, 6> stress_at(const std::string& body, Vec3 point) const override;
   double load_value(const std::string& name) const override;
   void set_displacement_zero() override;
   void write(const std::string& directory, double time) override;
+  std::vector<BodyModes> find_modes(int count) override;
+  void write_modes(const std::string& directory) override;
 
- private:
+ protected:  // implicit models step on the same state
   struct NodalLoad {
     Load load;
     std::vector<std::pair<int, Vec3>> share;  // owned node, its force [N] when the history is 1
@@ -51,6 +63,15 @@ class ExplicitModel final : public Model {
     std::vector<Vec3> places;            // [m] reference
     std::vector<Vec3> given, used;       // [N] set by the caller; as last used
   };
+  struct Driven {  // one component that a prescribed motion leads
+    int index;     // 3 node + component
+    int motion, body;
+    double reaction = 0;  // [N] that moves it, as of the last forces
+  };
+  struct Dashpot {  // of an absorbing boundary; owned node
+    int node;
+    double drag[3][3];  // [N s/m]
+  };
   struct BodyState {
     double damping = 0;  // [1/s]
     bool held = false;
@@ -58,27 +79,43 @@ class ExplicitModel final : public Model {
 
   void apply_supports();
   void make_loads();
+  void make_motions();
+  void make_absorbers();
   void make_skins();
+  void lead(double dt);
+  void follow(double dt);
+  double absorb(const Dashpot&, int body, double dt);
   void count_bodies();
   void start_accelerations();
+  void prepare_solver();
+  void refuse_mechanisms() const;
+  void start_in_equilibrium();
+  std::vector<double> weights() const;  // [N] gravity on the owned components, zero where a support holds them
   void gather_external_forces(double time);
   double update_accelerations(double dt);
   void agree_on_finite(double measure);
   int body_index(const std::string& name) const;
   double gravity_potential() const;
   Vec3 value_at(int owned_node, Quantity) const;
+  int nearest_node(int body, const Vec3& point) const;
   Vec3 mean_over(int body, std::span<const int> nodes, Quantity) const;
 
   Setup setup_;
   std::vector<Mesh> meshes_;  // elements are dropped after the start where no output needs them
   Layout layout_;
   Assembly assembly_;
-  NodalField displacement_, velocity_, acceleration_, inner_, mass_;
+  mutable NodalField displacement_;  // its ghosts are brought up to date where they are read
+  NodalField velocity_, acceleration_, inner_, mass_;
   std::vector<double> external_;      // [N] loads and skin forces of this instant, owned components
   std::vector<double> inverse_mass_;  // [1/kg] zero where a support holds the component
   std::vector<double> zero_;          // [m] displacement taken as zero in output and probes; empty: none
   std::vector<BodyState> states_;
+  std::vector<char> simple_energy_;  // per body, on all ranks: see Assembly::has_simple_energy
   std::vector<NodalLoad> loads_;
+  std::vector<PrescribedMotion> motions_;
+  std::vector<Driven> driven_;
+  std::vector<Dashpot> dashpots_;
+  std::vector<int> dashpot_of_;  // per owned node, -1: none; empty: no boundary absorbs
   std::vector<base::Skin> skins_;
   std::vector<Contact> contacts_;
   std::vector<BodyCounts> counts_;
@@ -86,10 +123,15 @@ class ExplicitModel final : public Model {
   base::Energy ledger_;      // works and losses of this rank
   double gravity_zero_ = 0;  // [J] of this rank, at the last reset
   double time_ = 0;
-  double half_step_ = 0;  // [s] dt/2 between predict and correct, else 0
+  double half_step_ = 0;      // [s] dt/2 between predict and correct, else 0
+  double viscous_power_ = 0;  // [W] of the last inner forces, this rank's
   long steps_ = 0;
   mutable std::vector<std::pair<std::pair<int, std::array<double, 3>>, int>> nearest_;  // body, point: node
+  mutable std::map<std::pair<int, int>, Recovery> recoveries_;  // by body and node, as they are asked for
   std::unique_ptr<Output> output_;
+  std::unique_ptr<Tangent> tangent_;    // where the solver needs it
+  std::vector<Mechanisms> mechanisms_;  // per body, where the solver needs them
+  std::vector<FoundModes> modes_;       // per body, once found
 };
 
 }  // namespace fem

@@ -33,17 +33,25 @@ double ExplicitModel::gravity_potential() const {
 
 base::Energy ExplicitModel::energy() const {
   double kinetic = 0, strain = 0;
-  for (int i = 0; i < displacement_.owned_size(); ++i) {
+  for (int i = 0; i < displacement_.owned_size(); ++i)
     kinetic += 0.5 * mass_.data()[i] * velocity_.data()[i] * velocity_.data()[i];
-    strain += 0.5 * displacement_.data()[i] * inner_.data()[i];  // linear elasticity: u.K.u / 2
+  for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {
+    if (!simple_energy_[b]) {
+      strain += assembly_.stored(b, displacement_);
+      continue;
+    }
+    for (int i = 3 * layout_.first_owned[b]; i < 3 * layout_.first_owned[b + 1]; ++i)
+      strain += 0.5 * displacement_.data()[i] * inner_.data()[i];  // linear elasticity: u.K.u / 2
   }
   double values[] = {kinetic,
                      strain,
                      gravity_potential() - gravity_zero_,
                      ledger_.work_loads,
                      ledger_.work_interface,
-                     ledger_.loss_damping};
-  sum(layout_.comm, values, 6);
+                     ledger_.loss_damping,
+                     ledger_.loss_viscous,
+                     ledger_.loss_plastic};
+  sum(layout_.comm, values, 8);
   base::Energy energy;
   energy.kinetic = values[0];
   energy.strain = values[1];
@@ -51,6 +59,8 @@ base::Energy ExplicitModel::energy() const {
   energy.work_loads = values[3];
   energy.work_interface = values[4];
   energy.loss_damping = values[5];
+  energy.loss_viscous = values[6];
+  energy.loss_plastic = values[7];
   return energy;
 }
 
@@ -86,8 +96,7 @@ Vec3 ExplicitModel::probe_group(const std::string& body, const std::string& grou
   return mean_over(b, nodes, quantity);
 }
 
-Vec3 ExplicitModel::probe_point(const std::string& body, Vec3 point, Quantity quantity) const {
-  const int b = body_index(body);
+int ExplicitModel::nearest_node(int b, const Vec3& point) const {
   const std::pair<int, std::array<double, 3>> key{b, {point.x, point.y, point.z}};
   auto known = std::ranges::find(nearest_, key, [](const auto& entry) { return entry.first; });
   if (known == nearest_.end()) {
@@ -96,12 +105,66 @@ Vec3 ExplicitModel::probe_point(const std::string& body, Vec3 point, Quantity qu
         std::ranges::min_element(nodes, {}, [&](const Vec3& node) { return base::norm2(node - point); });
     known = nearest_.insert(nearest_.end(), {key, static_cast<int>(nearest - nodes.begin())});
   }
-  return mean_over(b, std::span(&known->second, 1), quantity);
+  return known->second;
+}
+
+Vec3 ExplicitModel::probe_point(const std::string& body, Vec3 point, Quantity quantity) const {
+  const int b = body_index(body);
+  const int node = nearest_node(b, point);
+  return mean_over(b, std::span(&node, 1), quantity);
+}
+
+Vec3 ExplicitModel::reaction(const std::string& body, const std::string& group) const {
+  const int b = body_index(body);
+  const Vec3 gravity = setup_.bodies[b].gravity ? setup_.gravity : Vec3{};
+  Vec3 total;
+  for (const int node : find_group(meshes_[b], setup_.bodies[b], setup_.bodies[b].origin, "probe.group", group).nodes) {
+    const int local = layout_.owned_node(b, node);
+    if (local < 0) continue;
+    for (int c = 0; c < 3; ++c) {
+      const int i = 3 * local + c;
+      if (inverse_mass_[i] == 0) total[c] += inner_.data()[i] - external_[i] - mass_.data()[i] * gravity[c];
+    }
+  }
+  sum(layout_.comm, &total.x, 3);
+  return total;
+}
+
+std::vector<std::array<double, 6>> ExplicitModel::element_stresses(const std::string& body) const {
+  const int b = body_index(body);
+  displacement_.begin_to_ghosts();
+  displacement_.end_to_ghosts();
+  const auto own = assembly_.stresses(b, displacement_);
+  const auto elements = assembly_.elements_of(b);
+  std::vector<std::array<double, 6>> all(meshes_[b].regions.size());
+  for (std::size_t i = 0; i < own.size(); ++i) all[elements[i]] = own[i];
+  sum(layout_.comm, all.front().data(), static_cast<int>(6 * all.size()));
+  return all;
+}
+
+std::array<double, 6> ExplicitModel::stress_at(const std::string& body, Vec3 point) const {
+  const int b = body_index(body), node = nearest_node(b, point);
+  const auto [place, fresh] = recoveries_.try_emplace({b, node});
+  auto& recovery = place->second;
+  if (fresh) {  // the first rank has all elements
+    if (layout_.rank == 0) recovery = recovery_at(meshes_[b], node);
+    broadcast(layout_.comm, recovery.elements);
+    broadcast(layout_.comm, recovery.weights);
+  }
+  const auto stresses = element_stresses(body);
+  std::array<double, 6> result{};
+  for (std::size_t i = 0; i < recovery.elements.size(); ++i) {
+    for (int c = 0; c < 6; ++c) result[c] += recovery.weights[i] * stresses[recovery.elements[i]][c];
+  }
+  return result;
 }
 
 double ExplicitModel::load_value(const std::string& name) const {
   for (const auto& load : loads_) {
     if (load.load.name == name) return load.load.history->value(time_);
+  }
+  for (const auto& motion : motions_) {
+    if (motion.name == name) return motion.history->value(time_);
   }
   throw base::UserError("load \"" + name + "\" does not exist");
 }
@@ -115,7 +178,45 @@ void ExplicitModel::write(const std::string& directory, double time) {
   for (std::size_t i = 0; i < zero_.size(); ++i) shown[i] -= zero_[i];
   displacement_.begin_to_ghosts();
   displacement_.end_to_ghosts();
-  output_->write(directory, {time, shown, std::span(velocity_.data(), velocity_.owned_size()), displacement_});
+  velocity_.begin_to_ghosts();
+  velocity_.end_to_ghosts();
+  output_->write(directory, {time, shown, displacement_, velocity_});
+}
+
+std::vector<BodyModes> ExplicitModel::find_modes(int count) {
+  const Matrix stiffness = tangent_->make();
+  tangent_->assemble(stiffness, displacement_);
+  const ModesInput input{setup_, meshes_, layout_, stiffness, {mass_.data(), inverse_mass_.size()}, inverse_mass_};
+  std::vector<BodyModes> result;
+  for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {
+    modes_.push_back(fem::find_modes(input, b, count, mechanisms_[b]));
+    result.push_back({setup_.bodies[b].name, static_cast<int>(mechanisms_[b].free.size()), modes_.back().modes});
+  }
+  return result;
+}
+
+void ExplicitModel::write_modes(const std::string& directory) {
+  std::size_t most = 0;
+  for (const auto& found : modes_) most = std::max(most, found.shapes.size());
+  NodalField shape(layout_), at_rest(layout_);
+  std::fill_n(at_rest.data(), at_rest.local_size(), 0.0);
+  for (std::size_t k = 0; k < most; ++k) {
+    std::fill_n(shape.data(), shape.owned_size(), 0.0);
+    for (std::size_t b = 0; b < modes_.size(); ++b) {
+      if (k >= modes_[b].shapes.size()) continue;
+      const auto& values = modes_[b].shapes[k];
+      double largest = 0;
+      for (const double value : values) largest = std::max(largest, std::abs(value));
+      MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, layout_.comm);
+      double* const to = shape.data() + 3 * layout_.first_owned[b];
+      for (std::size_t i = 0; i < values.size(); ++i) to[i] = values[i] / largest;
+    }
+    shape.begin_to_ghosts();
+    shape.end_to_ghosts();
+    output_->write(
+        directory,
+        {static_cast<double>(k + 1), {shape.data(), static_cast<std::size_t>(shape.owned_size())}, shape, at_rest});
+  }
 }
 
 }  // namespace fem

@@ -7,6 +7,9 @@
 
 #include "fem/communication.hpp"
 #include "fem/explicit_model.hpp"
+#include "fem/faces.hpp"
+#include "fem/families.hpp"
+#include "fem/newton.hpp"
 #include "fem/stable_step.hpp"
 
 namespace fem {
@@ -35,30 +38,6 @@ std::vector<std::array<bool, 3>> held_components(const Mesh& mesh, const Body& b
   return held;
 }
 
-/// Integral of each corner's shape function over a facet [m2]: 2 x 2 Gauss points on a quadrilateral.
-std::array<double, 4> corner_areas(const Mesh& mesh, const Facet& facet) {
-  std::array<double, 4> areas{};
-  if (facet[3] < 0) {
-    areas.fill(facet_area(mesh, facet) / 3);
-    return areas;
-  }
-  constexpr double xi[4] = {-1, 1, 1, -1}, eta[4] = {-1, -1, 1, 1};
-  for (int p = 0; p < 4; ++p) {
-    const double r = xi[p] / std::sqrt(3.0), s = eta[p] / std::sqrt(3.0);
-    Vec3 along_r, along_s;
-    double shape[4];
-    for (int a = 0; a < 4; ++a) {
-      const Vec3& x = mesh.nodes[facet[a]];
-      shape[a] = 0.25 * (1 + xi[a] * r) * (1 + eta[a] * s);
-      along_r += x * (0.25 * xi[a] * (1 + eta[a] * s));
-      along_s += x * (0.25 * eta[a] * (1 + xi[a] * r));
-    }
-    const double area = base::norm(base::cross(along_r, along_s));
-    for (int a = 0; a < 4; ++a) areas[a] += area * shape[a];
-  }
-  return areas;
-}
-
 /// Force [N] of each node of the mesh when the load's history is 1.
 std::map<int, Vec3> nodal_forces(const Mesh& mesh, const Body& body, const Load& load) {
   const std::string head = message_head(load.origin, body.name);
@@ -73,12 +52,15 @@ std::map<int, Vec3> nodal_forces(const Mesh& mesh, const Body& body, const Load&
       fmt::format("{}load.group = \"{}\" is not a surface; a load over an area needs a physical surface, or "
                   "use kind = \"nodal_total\"",
                   head, load.group));
+  base::require_user(
+      load.kind != LoadKind::pressure || group.outside,
+      fmt::format("{}load.group = \"{}\" is no outer surface; a pressure needs the body on one side of it", head,
+                  load.group));
   double total = 0;
   for (const auto& facet : group.facets) {
-    const auto areas = corner_areas(mesh, facet);
-    for (int a = 0; a < (facet[3] < 0 ? 3 : 4); ++a) {
-      forces[facet[a]] += load.direction * areas[a];
-      total += areas[a];
+    for (const auto& node : integrate(mesh, facet)) {
+      forces[node.node] += load.kind == LoadKind::pressure ? -node.normal : load.direction * node.area;
+      total += node.area;
     }
   }
   if (load.kind == LoadKind::face_total) {
@@ -87,10 +69,25 @@ std::map<int, Vec3> nodal_forces(const Mesh& mesh, const Body& body, const Load&
   return forces;
 }
 
+/// Stiffness-proportional damping is viscosity in proportion to the moduli; implicit solvers take the matrix instead.
+Setup with_stiffness_damping(Setup setup) {
+  if (setup.solver.kind != Solver::explicit_steps) return setup;
+  for (auto& body : setup.bodies) {
+    if (body.stiffness_damping == 0) continue;
+    for (auto& material : body.materials) {
+      if (material.law == LinearElastic::name) material.law = KelvinVoigt::name;
+      const Elastic elastic = elastic_constants(material);
+      material.shear_viscosity += body.stiffness_damping * elastic.mu;
+      material.bulk_viscosity += body.stiffness_damping * (elastic.lambda + 2.0 / 3.0 * elastic.mu);
+    }
+  }
+  return setup;
+}
+
 }  // namespace
 
 ExplicitModel::ExplicitModel(MPI_Comm comm, const Setup& setup)
-    : setup_(setup),
+    : setup_(with_stiffness_damping(setup)),
       meshes_(read_meshes(comm, setup)),
       layout_(comm, meshes_),
       assembly_(setup_, meshes_, layout_),
@@ -102,17 +99,75 @@ ExplicitModel::ExplicitModel(MPI_Comm comm, const Setup& setup)
       external_(displacement_.owned_size(), 0.0),
       inverse_mass_(displacement_.owned_size(), 0.0) {
   for (const auto& body : setup_.bodies) states_.push_back({body.damping, false});
+  for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {
+    int simple = assembly_.has_simple_energy(b);  // a rank without its elements has its nodes
+    MPI_Allreduce(MPI_IN_PLACE, &simple, 1, MPI_INT, MPI_MIN, comm);
+    simple_energy_.push_back(simple != 0);
+  }
   assembly_.lumped_mass(mass_);
   apply_supports();
   make_loads();
+  make_motions();
+  make_absorbers();
   make_skins();
   count_bodies();
-  stable_step_ = find_stable_step(setup_, meshes_, layout_, assembly_, inverse_mass_);
+  prepare_solver();
   output_ = std::make_unique<Output>(setup_, meshes_, layout_, assembly_);
   if (layout_.rank != 0) {
     for (auto& mesh : meshes_) mesh.elements = {};
   }
+  if (setup_.solver.start_in_equilibrium) start_in_equilibrium();
   start_accelerations();
+}
+
+/// What the chosen solver needs of the meshes' elements, which are dropped afterwards.
+void ExplicitModel::prepare_solver() {
+  const SolverSettings& solver = setup_.solver;
+  const bool conditional = solver.kind == Solver::newmark && 2 * solver.beta < solver.gamma;
+  if (solver.kind == Solver::explicit_steps || conditional)
+    stable_step_ = find_stable_step(setup_, meshes_, layout_, assembly_, inverse_mass_);
+  if (solver.kind == Solver::explicit_steps && !solver.start_in_equilibrium) return;
+  tangent_ = std::make_unique<Tangent>(setup_, meshes_, layout_, inverse_mass_);
+  for (std::size_t b = 0; b < meshes_.size(); ++b)
+    mechanisms_.push_back(find_mechanisms(meshes_[b], held_components(meshes_[b], setup_.bodies[b])));
+  if (solver.kind == Solver::statics || solver.start_in_equilibrium) refuse_mechanisms();
+}
+
+void ExplicitModel::refuse_mechanisms() const {
+  for (std::size_t b = 0; b < meshes_.size(); ++b) {
+    const auto& found = mechanisms_[b];
+    if (found.free.empty()) continue;
+    const int part = found.free.front().part;
+    const int node = static_cast<int>(std::ranges::find(found.part_of_node, part) - found.part_of_node.begin());
+    const Vec3& place = meshes_[b].nodes[node];
+    const bool whole = *std::ranges::max_element(found.part_of_node) == 0;
+    throw base::UserError(
+        fmt::format("{}nothing holds {} against {}; there is no equilibrium, the static system is singular; add a "
+                    "[[body.support]] that fixes it",
+                    message_head(setup_.bodies[b].origin, setup_.bodies[b].name),
+                    whole ? "it" : fmt::format("its part at ({:.4g}, {:.4g}, {:.4g}) m", place.x, place.y, place.z),
+                    describe(found, part)));
+  }
+}
+
+std::vector<double> ExplicitModel::weights() const {
+  std::vector<double> weights(inverse_mass_.size(), 0.0);
+  for (std::size_t b = 0; b < meshes_.size(); ++b) {
+    if (!setup_.bodies[b].gravity) continue;
+    for (int i = 3 * layout_.first_owned[b]; i < 3 * layout_.first_owned[b + 1]; ++i) {
+      if (inverse_mass_[i] > 0) weights[i] = mass_.data()[i] * setup_.gravity[i % 3];
+    }
+  }
+  return weights;
+}
+
+void ExplicitModel::start_in_equilibrium() {
+  gather_external_forces(time_);
+  std::vector<double> given = weights();
+  for (std::size_t i = 0; i < given.size(); ++i) given[i] += external_[i];
+  Newton(setup_.solver, layout_, assembly_, *tangent_, inverse_mass_)
+      .solve(displacement_, inner_, {{}, given}, "at the start: ");
+  reset_energy();
 }
 
 void ExplicitModel::apply_supports() {
@@ -132,7 +187,8 @@ void ExplicitModel::make_loads() {
     for (const auto& load : body.loads) {
       base::require_internal(load.history != nullptr, "a load without a history");
       NodalLoad made{load, {}, 0};
-      bool felt = base::norm(load.direction) == 0;  // a load of nothing may act on nothing
+      bool felt =
+          load.kind != LoadKind::pressure && base::norm(load.direction) == 0;  // a load of nothing may act on nothing
       for (const auto& [node, force] : nodal_forces(meshes_[b], body, load)) {
         for (int c = 0; c < 3; ++c) felt = felt || (force[c] != 0 && !held[node][c]);
         if (const int local = layout_.owned_node(b, node); local >= 0) made.share.emplace_back(local, force);
@@ -161,16 +217,18 @@ void ExplicitModel::make_skins() {
                       "with the body on one side",
                       message_head(body.origin, body.name), name));
       for (const auto& facet : group.facets) {
-        auto& numbered = skin.facets.emplace_back(std::array<int, 4>{-1, -1, -1, -1});
-        for (int a = 0; a < (facet[3] < 0 ? 3 : 4); ++a) {
-          const auto [place, fresh] = numbers.try_emplace(facet[a], static_cast<int>(skin.nodes.size()));
-          numbered[a] = place->second;
-          if (!fresh) continue;
-          skin.nodes.push_back(meshes_[b].nodes[facet[a]]);
-          if (const int local = layout_.owned_node(b, facet[a]); local >= 0) {
-            contact.skin_nodes.push_back(place->second);
-            contact.nodes.push_back(local);
-            contact.places.push_back(skin.nodes.back());
+        for (const auto& part : plane_parts(facet)) {
+          auto& numbered = skin.facets.emplace_back(std::array<int, 4>{-1, -1, -1, -1});
+          for (int a = 0; a < (part[3] < 0 ? 3 : 4); ++a) {
+            const auto [place, fresh] = numbers.try_emplace(part[a], static_cast<int>(skin.nodes.size()));
+            numbered[a] = place->second;
+            if (!fresh) continue;
+            skin.nodes.push_back(meshes_[b].nodes[part[a]]);
+            if (const int local = layout_.owned_node(b, part[a]); local >= 0) {
+              contact.skin_nodes.push_back(place->second);
+              contact.nodes.push_back(local);
+              contact.places.push_back(skin.nodes.back());
+            }
           }
         }
       }

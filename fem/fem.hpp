@@ -39,6 +39,9 @@ struct MaterialRegion {
   std::string law = "linear_elastic";
   double young_modulus = 0, poisson_ratio = 0, density = 0;  // [Pa] [-] [kg/m3]
   Origin origin;
+  double shear_viscosity = 0, bulk_viscosity = 0;               // [Pa s]; not of linear_elastic
+  double cohesion = 0, friction_angle = 0, dilation_angle = 0;  // [Pa] [rad] [rad]; drucker_prager
+  std::string fit = "outer";                                    // outer, inner, plane_strain; drucker_prager
 };
 
 struct Support {
@@ -51,6 +54,7 @@ enum class LoadKind {
   nodal_total,  // total force [N] shared equally by the nodes of the group
   face_total,   // total force [N] spread evenly over the area of the group (consistent nodal forces)
   traction,     // [Pa] on the area of the group
+  pressure,     // [Pa] against the outward normal of the undeformed surface; > 0 presses; `direction` is not read
 };
 struct Load {
   std::string name;  // for history.csv
@@ -61,28 +65,75 @@ struct Load {
   Origin origin;
 };
 
+/// Nodes that are driven. Between steps of equal length a displacement is followed exactly; a velocity in the middle of
+/// every step.
+struct PrescribedMotion {
+  enum class Kind { displacement, velocity };
+  std::string name;   // for history.csv
+  std::string group;  // physical group of any dimension
+  Kind kind = Kind::displacement;
+  std::array<bool, 3> along{false, false, false};  // the components that follow the history; the others are free
+  base::HistoryPtr history;                        // value(t): [m] or [m/s]
+  Origin origin;
+};
+
+/// A surface that lets waves out (Lysmer & Kuhlemeyer 1969): dashpots rho c_p along its normal, rho c_s across.
+struct AbsorbingBoundary {
+  std::string group;  // physical surface
+  Origin origin;
+};
+
 struct Body {
   std::string name;
   std::string mesh_file;                          // .geo (meshed through gmsh's API) or .msh
   std::map<std::string, double> mesh_parameters;  // numbers set in the .geo (its DefineConstant / SetNumber names)
-  std::string element = "hex8";                   // see element_names(): hex8, hex8_bbar, tet4
+  std::string element = "hex8";                   // see element_names()
   Vec3 translation;                               // [m] added to every node
   bool gravity = true;                            // false: starts in geostatic balance, its own weight is left out
   double damping = 0;                             // [1/s] mass-proportional: force -damping * m * v
   std::vector<MaterialRegion> materials;
   std::vector<Support> supports;
   std::vector<Load> loads;
+  std::vector<PrescribedMotion> motions;
+  std::vector<AbsorbingBoundary> absorbing;
+  double stiffness_damping = 0;   // [s] beta: viscosity beta mu (shear), beta K (bulk) beside the law's own
   std::vector<std::string> skin;  // physical surfaces that grains can touch; empty: none
+  Origin origin;
+};
+
+enum class Solver {
+  explicit_steps,  // central difference
+  newmark,         // implicit steps
+  statics,         // every step ends in equilibrium; no mass, no damping
+  modal,           // free vibrations; no steps
+};
+enum class LinearSolver { automatic, direct, iterative };  // automatic: by the number of unknowns
+struct SolverSettings {
+  Solver kind = Solver::explicit_steps;
+  double beta = 0.25, gamma = 0.5;  // [-] of Newmark's method
+  LinearSolver linear_solver = LinearSolver::automatic;
+  bool start_in_equilibrium = false;  // with the loads of time 0; explicit and Newmark
   Origin origin;
 };
 
 struct Setup {
   std::vector<Body> bodies;
   Vec3 gravity;
+  SolverSettings solver = {};
+};
+
+struct Mode {
+  double frequency = 0;  // [Hz]
+  Vec3 effective_mass;   // [kg] that moves along x, y, z with it
+};
+struct BodyModes {
+  std::string body;
+  int rigid_motions = 0;    // that supports leave free: at 0 Hz, not among the modes
+  std::vector<Mode> modes;  // elastic, lowest first
 };
 
 struct StableStep {
-  double limit = 0;     // [s] 2/omega_max of the assembled mesh with lumped mass, never above the true one
+  double limit = 0;     // [s] explicit: 2/omega_max of the assembled mesh, lumped mass, never above the true one
   std::string limiter;  // body, element, size, material, in words
 };
 
@@ -103,7 +154,8 @@ class Model {
   virtual std::vector<BodyCounts> counts() const = 0;
   virtual StableStep stable_step() const = 0;
 
-  // ---- one central-difference step in parts, so that contact forces and inner forces can overlap in time
+  // ---- one step in parts, so that contact forces and inner forces can overlap in time; implicit models do all of it
+  // in correct()
   /// v += dt/2 a; u += dt v (v is now the half-step velocity).
   virtual void predict(double dt) = 0;
   /// Inner forces and loads at the present displacement and the end-of-step time.
@@ -133,15 +185,31 @@ class Model {
   /// to a point.
   virtual Vec3 probe_group(const std::string& body, const std::string& group, Quantity) const = 0;
   virtual Vec3 probe_point(const std::string& body, Vec3 point, Quantity) const = 0;
-  /// Present value of a load's history (not collective).
+  /// Force [N] of the supports on the nodes of a group of a body, damping proportional to stiffness left out.
+  virtual Vec3 reaction(const std::string& body, const std::string& group) const = 0;
+  /// Mean stress [Pa] (xx, yy, zz, xy, yz, xz) of every element of a body in the order of its mesh, on every rank.
+  virtual std::vector<std::array<double, 6>> element_stresses(const std::string& body) const = 0;
+  /// Stress recovered at the node nearest to a point (recovery.hpp).
+  virtual std::array<double, 6> stress_at(const std::string& body, Vec3 point) const = 0;
+  /// Present value of a load's or a motion's history (not collective).
   virtual double load_value(const std::string& name) const = 0;
   /// Displacement zero for output and probes from here on (the state itself is untouched).
   virtual void set_displacement_zero() = 0;
   /// Appends one time level to DIR/<body>.pvd and writes DIR/<body>/<body>_NNNN.vtu (displacement, velocity, cell
   /// stress, von Mises, material region) for every body. Throws base::MachineError when the disk fails.
   virtual void write(const std::string& directory, double time) = 0;
+
+  // ---- modal models
+  /// The `count` lowest elastic modes of every body, undamped, about the unloaded state.
+  virtual std::vector<BodyModes> find_modes(int count) = 0;
+  /// As write(), one level per mode found: its shape, largest component 1 m, its number as time.
+  virtual void write_modes(const std::string& directory) = 0;
 };
 
 std::vector<std::string> element_names();
+
+double von_mises(const std::array<double, 6>& stress);  // [Pa]
+/// Principal stresses [Pa], the largest first.
+std::array<double, 3> principal(const std::array<double, 6>& stress);
 
 }  // namespace fem

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/error.hpp"
+#include "fem/families.hpp"
 
 namespace fem {
 
@@ -90,7 +91,32 @@ class Numbering {
   std::map<std::size_t, int> numbers_;
 };
 
-constexpr int gmsh_triangle = 2, gmsh_quadrilateral = 3, gmsh_tetrahedron = 4, gmsh_hexahedron = 5;
+/// gmsh's element types that are read, with their nodes.
+struct Kind {
+  int type, dimension, nodes;
+};
+constexpr Kind kinds[] = {{1, 1, 2},  {8, 1, 3}, {2, 2, 3},   {9, 2, 6}, {3, 2, 4},
+                          {16, 2, 8}, {4, 3, 4}, {11, 3, 10}, {5, 3, 8}, {17, 3, 20}};
+constexpr int gmsh_tetrahedron = 4, gmsh_hexahedron = 5;
+
+/// Nodes of a cell, face or line of this type; 0: not one that is read.
+int nodes_of_type(int type) {
+  for (const auto& kind : kinds) {
+    if (kind.type == type) return kind.nodes;
+  }
+  return 0;
+}
+
+/// Middle nodes where the element wants them and gmsh's cells have its shape.
+void raise_order(const Body& body) {
+  const int wanted = element_nodes(body.element);
+  if (wanted != 10 && wanted != 20) return;
+  std::vector<int> types;
+  gmsh::model::mesh::getElementTypes(types, 3);
+  if (types != std::vector{wanted == 20 ? gmsh_hexahedron : gmsh_tetrahedron}) return;
+  gmsh::option::setNumber("Mesh.SecondOrderIncomplete", 1);  // hexahedra of 20 nodes, not 27
+  gmsh::model::mesh::setOrder(2);
+}
 
 void read_cells(const std::string& head, const Body& body, RawMesh& mesh, Numbering& numbering) {
   gmsh::vectorpair volumes;
@@ -101,18 +127,19 @@ void read_cells(const std::string& head, const Body& body, RawMesh& mesh, Number
     std::vector<std::vector<std::size_t>> elements, nodes;
     gmsh::model::mesh::getElements(types, elements, nodes, 3, volume);
     for (std::size_t t = 0; t < types.size(); ++t) {
-      const int count = types[t] == gmsh_hexahedron ? 8 : types[t] == gmsh_tetrahedron ? 4 : 0;
+      const int count = nodes_of_type(types[t]);
       std::string type_name;
       int dimension = 0, order = 0, node_count = 0, primary = 0;
       std::vector<double> local;
       gmsh::model::mesh::getElementProperties(types[t], type_name, dimension, order, node_count, local, primary);
       base::require_user(count > 0 && (mesh.cell_nodes == 0 || mesh.cell_nodes == count),
-                         fmt::format("{}mesh = \"{}\" holds cells of type \"{}\"; a mesh must be all straight-sided "
-                                     "hexahedra or all straight-sided tetrahedra (first order)",
+                         fmt::format("{}mesh = \"{}\" holds cells of type \"{}\"; a mesh must be all "
+                                     "hexahedra of 8 or of 20 nodes (Mesh.SecondOrderIncomplete = 1) or all tetrahedra "
+                                     "of 4 or of 10 nodes",
                                      head, body.mesh_file, type_name));
       mesh.cell_nodes = count;
       for (std::size_t e = 0; e < elements[t].size(); ++e) {
-        std::array<int, 8> cell{};
+        std::array<int, 20> cell{};
         for (int a = 0; a < count; ++a) cell[a] = numbering.of(nodes[t][e * count + a]);
         mesh.cells.push_back(cell);
         mesh.cell_volume.push_back(volume);
@@ -140,13 +167,24 @@ void read_facets(int surface, const Numbering& numbering, std::vector<Facet>& fa
   std::vector<std::vector<std::size_t>> elements, nodes;
   gmsh::model::mesh::getElements(types, elements, nodes, 2, surface);
   for (std::size_t t = 0; t < types.size(); ++t) {
-    const int count = types[t] == gmsh_quadrilateral ? 4 : types[t] == gmsh_triangle ? 3 : 0;
-    if (count == 0) continue;
-    for (std::size_t e = 0; e < elements[t].size(); ++e) {
-      Facet facet{-1, -1, -1, -1};
-      for (int a = 0; a < count; ++a) facet[a] = numbering.find(nodes[t][e * count + a]);
+    const int count = nodes_of_type(types[t]), corners = count % 4 == 0 ? 4 : 3;
+    for (std::size_t e = 0; e < elements[t].size() && count > 0; ++e) {
+      Facet facet = no_facet;
+      for (int a = 0; a < count; ++a)
+        facet[a < corners ? a : 4 + a - corners] = numbering.find(nodes[t][e * count + a]);
       facets.push_back(facet);
     }
+  }
+}
+
+void read_lines(int curve, const Numbering& numbering, std::vector<std::array<int, 2>>& lines) {
+  std::vector<int> types;
+  std::vector<std::vector<std::size_t>> elements, nodes;
+  gmsh::model::mesh::getElements(types, elements, nodes, 1, curve);
+  for (std::size_t t = 0; t < types.size(); ++t) {
+    const int count = nodes_of_type(types[t]);
+    for (std::size_t e = 0; e < elements[t].size() && count > 0; ++e)
+      lines.push_back({numbering.find(nodes[t][e * count]), numbering.find(nodes[t][e * count + 1])});
   }
 }
 
@@ -162,6 +200,9 @@ void read_groups(RawMesh& mesh, const Numbering& numbering) {
     if (dimension == 3) mesh.volumes[name] = entities;
     if (dimension == 2) {
       for (const int surface : entities) read_facets(surface, numbering, mesh.surfaces[name]);
+    }
+    if (dimension == 1) {
+      for (const int curve : entities) read_lines(curve, numbering, mesh.curves[name]);
     }
     std::vector<std::size_t> tags;
     std::vector<double> coordinates;
@@ -193,7 +234,10 @@ RawMesh read_with_gmsh(const Body& body) {
       gmsh::clear();
       guarded(head, body, [&] { gmsh::open(body.mesh_file); });
     }
-    guarded(head, body, [] { gmsh::model::mesh::generate(3); });
+    guarded(head, body, [&] {
+      gmsh::model::mesh::generate(3);
+      raise_order(body);
+    });
   }
   RawMesh mesh;
   Numbering numbering;

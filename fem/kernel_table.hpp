@@ -8,7 +8,11 @@ struct KernelArguments {
   const double* geometry;       // [batch][number][lane]
   const void* law;              // the law's parameters
   const double* displacements;  // [m] [node][component]
+  const double* velocities;     // [m/s] [node][component]; null: at rest
   double* forces;               // [N] added to
+  const double* history;        // [batch][number][lane] of the law
+  double* new_history;          // where it is written to; null: not wanted
+  double* losses;               // viscous power [W], plastic work since the last step [J]: added to; null: not wanted
   int elements, batches;        // in the block
   int first_batch, last_batch;  // to do now
 };

@@ -54,7 +54,8 @@ std::vector<Item> sorted_items(const std::vector<Mesh>& meshes) {
     const Mesh& mesh = meshes[b];
     Bounds bounds;
     for (const auto& node : mesh.nodes) bounds.take(node);
-    const double work = mesh.element_nodes == 8 ? 8 : 1;
+    const int nodes = mesh.element_nodes;
+    const double work = nodes == 20 ? 24 : nodes == 10 ? 6 : nodes == 8 ? 8 : 1;
     for (int e = 0; e < mesh.element_count(); ++e) {
       const Vec3 centre = mesh.centre(e);
       items.push_back({centre, b, e, morton(centre, bounds), work});

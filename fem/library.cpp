@@ -1,4 +1,5 @@
 #include <petscsys.h>
+#include <slepcsys.h>
 
 #include "fem/fem.hpp"
 #include "fem/nodal_field.hpp"
@@ -8,13 +9,13 @@ namespace fem {
 Library::Library(MPI_Comm comm) {
   PETSC_COMM_WORLD = comm;
   check_petsc(PetscOptionsSetValue(nullptr, "-no_signal_handler", "true"));  // signals are the program's own business
-  check_petsc(PetscInitializeNoArguments());
+  check_petsc(SlepcInitializeNoArguments());                                 // starts PETSc too
   check_petsc(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
 }
 
 Library::~Library() {
   PetscPopErrorHandler();
-  PetscFinalize();
+  if (SlepcInitializeCalled) SlepcFinalize();
 }
 
 }  // namespace fem

@@ -66,15 +66,40 @@ std::vector<int> regions_of_cells(const RawMesh& raw, const Body& body) {
   return regions;
 }
 
+/// Curved cells can be inside out although their corners are not.
+void check_points(const Mesh& mesh, const Body& body, const std::string& head) {
+  for (int e = 0; e < mesh.element_count(); ++e) {
+    double places[20][3];
+    for (int a = 0; a < mesh.element_nodes; ++a) {
+      for (int c = 0; c < 3; ++c) places[a][c] = mesh.nodes[mesh.element(e)[a]][c];
+    }
+    const Vec3 centre = mesh.centre(e);
+    base::require_user(smallest_point_volume(body.element, places) > 0,
+                       fmt::format("{}element {} at ({:.6g}, {:.6g}, {:.6g}) m is bent inside out by its middle nodes; "
+                                   "use a finer mesh, or straight sides",
+                                   head, e + 1, centre.x, centre.y, centre.z));
+  }
+}
+
 Mesh checked(RawMesh raw, const Body& body) {
   const std::string head = message_head(body.origin, body.name);
   const int wanted = element_nodes(body.element);
   check_volumes(raw, head);
-  if (wanted == 4 && raw.cell_nodes == 8) split_into_tetrahedra(raw, head);
-  base::require_user(wanted == raw.cell_nodes,
+  if (cell_corners(wanted) == 4 && raw.cell_nodes == 8) split_into_tetrahedra(raw, head);
+  if (wanted > 8 && raw.cell_nodes == cell_corners(wanted)) add_middle_nodes(raw);
+  base::require_user(cell_corners(wanted) == 4 || cell_corners(raw.cell_nodes) == 8,
                      fmt::format("{}element = \"{}\" needs hexahedra; mesh = \"{}\" holds tetrahedra; use element = "
-                                 "\"tet4\", or mesh with Recombine",
+                                 "\"tet4\" or \"tet10\", or mesh with Recombine",
                                  head, body.element, body.mesh_file));
+  base::require_user(
+      cell_corners(wanted) == cell_corners(raw.cell_nodes),
+      fmt::format("{}element = \"{}\" needs tetrahedra, or hexahedra of 8 nodes to cut; mesh = \"{}\" holds "
+                  "hexahedra of 20; use element = \"hex20\", or mesh with Mesh.ElementOrder = 1",
+                  head, body.element, body.mesh_file));
+  base::require_user(wanted == raw.cell_nodes,
+                     fmt::format("{}element = \"{}\" has no middle nodes; mesh = \"{}\" has; use element = \"{}\", or "
+                                 "mesh with Mesh.ElementOrder = 1",
+                                 head, body.element, body.mesh_file, raw.cell_nodes == 10 ? "tet10" : "hex20"));
   Mesh mesh;
   mesh.regions = regions_of_cells(raw, body);
   mesh.element_nodes = raw.cell_nodes;
@@ -90,11 +115,13 @@ Mesh checked(RawMesh raw, const Body& body) {
                                      "to no volume cell",
                                      head, body.mesh_file, name));
       group.facets.push_back(found.facet);
+      group.facet_regions.push_back(mesh.regions[found.cell]);
       group.outside = group.outside && found.cells == 1;
     }
   }
   mesh.nodes = std::move(raw.nodes);
   for (auto& node : mesh.nodes) node += body.translation;
+  if (wanted > 8) check_points(mesh, body, head);
   return mesh;
 }
 
@@ -114,6 +141,7 @@ void share(MPI_Comm comm, Mesh& mesh) {
     auto& group = mesh.groups[std::string(letters.begin(), letters.end())];
     broadcast(comm, group.nodes);
     broadcast(comm, group.facets);
+    broadcast(comm, group.facet_regions);
     int outside = group.outside;
     broadcast(comm, outside);
     group.outside = outside != 0;
@@ -134,6 +162,8 @@ void check_body(const Body& body) {
   base::require_user(std::ranges::count(known, body.element) > 0,
                      fmt::format("{}element = \"{}\"; must be one of: {}", head, body.element, fmt::join(known, ", ")));
   base::require_user(body.damping >= 0, fmt::format("{}damping = {}; must be >= 0 1/s", head, body.damping));
+  base::require_user(body.stiffness_damping >= 0,
+                     fmt::format("{}stiffness_damping = {}; must be >= 0 s", head, body.stiffness_damping));
   base::require_user(!body.materials.empty(), head + "has no material; add a [[body.material]]");
   for (const auto& material : body.materials) check_material(material, message_head(material.origin, body.name));
 }
@@ -156,13 +186,6 @@ const Group& find_group(const Mesh& mesh, const Body& body, const Origin& origin
                                       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
   }
   return place->second;
-}
-
-double facet_area(const Mesh& mesh, const Facet& facet) {
-  const Vec3 a = mesh.nodes[facet[0]], b = mesh.nodes[facet[1]], c = mesh.nodes[facet[2]];
-  if (facet[3] < 0) return 0.5 * base::norm(base::cross(b - a, c - a));
-  const Vec3 d = mesh.nodes[facet[3]];
-  return 0.5 * (base::norm(base::cross(b - a, c - a)) + base::norm(base::cross(c - a, d - a)));
 }
 
 }  // namespace fem

@@ -12,14 +12,15 @@
 namespace fem {
 
 struct Group {
-  std::vector<int> nodes;     // rising
-  std::vector<Facet> facets;  // outward from the element they belong to; empty unless a surface
-  bool outside = true;        // every facet belongs to exactly one element
+  std::vector<int> nodes;          // rising
+  std::vector<Facet> facets;       // outward from the element they belong to; empty unless a surface
+  std::vector<int> facet_regions;  // per facet: the material of that element
+  bool outside = true;             // every facet belongs to exactly one element
 };
 
 struct Mesh {
-  std::vector<Vec3> nodes;    // [m] translated
-  int element_nodes = 0;      // 8 or 4
+  std::vector<Vec3> nodes;  // [m] translated
+  int element_nodes = 0;
   std::vector<int> elements;  // element_nodes each
   std::vector<int> regions;   // per element: which of Body::materials
   std::map<std::string, Group> groups;
@@ -38,8 +39,5 @@ Mesh read_mesh(MPI_Comm, const Body&);
 
 /// The group of that name, or a base::UserError that lists those that exist. `key` is the scene's word for it.
 const Group& find_group(const Mesh&, const Body&, const Origin&, const std::string& key, const std::string& group);
-
-/// Area [m2] of a facet.
-double facet_area(const Mesh&, const Facet&);
 
 }  // namespace fem

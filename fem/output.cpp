@@ -11,12 +11,14 @@
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
 
 #include "base/pvd.hpp"
 #include "fem/communication.hpp"
+#include "fem/families.hpp"
 
 namespace fem {
 namespace {
@@ -41,10 +43,16 @@ vtkSmartPointer<vtkDoubleArray> array(const char* name, int components, vtkIdTyp
   return result;
 }
 
-double von_mises(const double* s) {
-  const double xy = s[0] - s[1], yz = s[1] - s[2], zx = s[2] - s[0];
-  return std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
-}
+/// VTK's cells and the order in which they take gmsh's nodes.
+struct CellKind {
+  int nodes, type;
+  std::array<int, 20> order;
+};
+constexpr CellKind cell_kinds[] = {
+    {4, VTK_TETRA, {0, 1, 2, 3}},
+    {8, VTK_HEXAHEDRON, {0, 1, 2, 3, 4, 5, 6, 7}},
+    {10, VTK_QUADRATIC_TETRA, {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}},
+    {20, VTK_QUADRATIC_HEXAHEDRON, {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15}}};
 
 }  // namespace
 
@@ -72,9 +80,10 @@ struct Output::Impl {
       vtkNew<vtkIntArray> region;
       region->SetName("region");
       for (int e = 0; e < mesh.element_count(); ++e) {
-        vtkIdType nodes[8];
-        std::copy_n(mesh.element(e), mesh.element_nodes, nodes);
-        grid->InsertNextCell(mesh.element_nodes == 8 ? VTK_HEXAHEDRON : VTK_TETRA, mesh.element_nodes, nodes);
+        const CellKind& kind = *std::ranges::find(cell_kinds, mesh.element_nodes, &CellKind::nodes);
+        vtkIdType nodes[20];
+        for (int a = 0; a < kind.nodes; ++a) nodes[a] = mesh.element(e)[kind.order[a]];
+        grid->InsertNextCell(kind.type, kind.nodes, nodes);
         region->InsertNextValue(mesh.regions[e]);
       }
       grid->GetCellData()->AddArray(region);
@@ -90,17 +99,28 @@ struct Output::Impl {
     grids[b]->GetPointData()->AddArray(data);
   }
 
-  void set_cells(int b, const std::vector<double>& stresses) {
+  /// `plastic` is empty where no law of the body knows plastic strain.
+  void set_cells(int b, const std::vector<double>& stresses, const std::vector<double>& plastic) {
     constexpr const char* components[6] = {"xx", "yy", "zz", "xy", "yz", "xz"};
     auto stress = array("stress", 6, meshes[b].element_count()),
-         mises = array("von_mises", 1, meshes[b].element_count());
+         mises = array("von_mises", 1, meshes[b].element_count()),
+         principals = array("principal_stress", 3, meshes[b].element_count());
     for (int c = 0; c < 6; ++c) stress->SetComponentName(c, components[c]);
     for (std::size_t i = 0; i < elements[b].size(); ++i) {
       stress->SetTuple(elements[b][i], stresses.data() + 6 * i);
-      mises->SetValue(elements[b][i], von_mises(stresses.data() + 6 * i));
+      std::array<double, 6> values;
+      std::copy_n(stresses.data() + 6 * i, 6, values.begin());
+      mises->SetValue(elements[b][i], von_mises(values));
+      const auto values_principal = principal(values);
+      principals->SetTuple(elements[b][i], values_principal.data());
     }
     grids[b]->GetCellData()->AddArray(stress);
     grids[b]->GetCellData()->AddArray(mises);
+    grids[b]->GetCellData()->AddArray(principals);
+    if (plastic.empty()) return;
+    auto strain = array("plastic_strain", 1, meshes[b].element_count());
+    for (std::size_t i = 0; i < elements[b].size(); ++i) strain->SetValue(elements[b][i], plastic[i]);
+    grids[b]->GetCellData()->AddArray(strain);
   }
 
   void write_file(int b, const std::string& directory, double time) {
@@ -133,18 +153,22 @@ void Output::write(const std::string& directory, const Frame& frame) {
   const Layout& layout = impl.layout;
   if (impl.elements.empty()) impl.start();
   const auto displacement = gathered<double>(layout, frame.displacement, MPI_DOUBLE);
-  const auto velocity = gathered<double>(layout, frame.velocity, MPI_DOUBLE);
-  std::vector<std::vector<double>> stresses;
+  const auto velocity = gathered<double>(
+      layout, {frame.velocity.data(), static_cast<std::size_t>(frame.velocity.owned_size())}, MPI_DOUBLE);
+  std::vector<std::vector<double>> stresses, plastic;
   for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
-    const auto own = impl.assembly.stresses(b, frame.strained);
+    const auto own = impl.assembly.stresses(b, frame.strained, &frame.velocity);
     stresses.push_back(
         gathered<double>(layout, {own.empty() ? nullptr : own.front().data(), 6 * own.size()}, MPI_DOUBLE));
+    plastic.emplace_back();
+    if (std::ranges::any_of(impl.setup.bodies[b].materials, keeps_history))
+      plastic.back() = gathered<double>(layout, impl.assembly.plastic_strains(b), MPI_DOUBLE);
   }
   on_first_rank(layout.comm, [&] {
     for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
       impl.set_points(b, "displacement", displacement);
       impl.set_points(b, "velocity", velocity);
-      impl.set_cells(b, stresses[b]);
+      impl.set_cells(b, stresses[b], plastic[b]);
       impl.write_file(b, directory, frame.time);
     }
   });

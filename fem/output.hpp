@@ -10,9 +10,9 @@
 namespace fem {
 
 struct Frame {
-  double time;                                     // [s]
-  std::span<const double> displacement, velocity;  // [m] [m/s] owned components
-  const NodalField& strained;                      // displacements that stresses follow from; ghosts up to date
+  double time;                            // [s]
+  std::span<const double> displacement;   // [m] shown; owned components
+  const NodalField &strained, &velocity;  // [m] [m/s] that stresses follow from; ghosts up to date
 };
 
 class Output {

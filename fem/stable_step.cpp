@@ -38,8 +38,8 @@ double largest_of(const std::vector<double>& diagonal, const std::vector<double>
   return solver.eigenvalues()[size - 1];
 }
 
-/// An upper bound of the largest eigenvalue of S K S, S = diag(scale).
-double lanczos_bound(const Layout& layout, const Assembly& assembly, const Eigen::VectorXd& scale) {
+/// An upper bound of the largest eigenvalue of S (K + rate C) S, S = diag(scale).
+double lanczos_bound(const Layout& layout, const Assembly& assembly, const Eigen::VectorXd& scale, double rate) {
   constexpr double margin = 0.04, failure = 1e-9;
   double unknowns = (scale.array() > 0).count();
   sum(layout.comm, &unknowns, 1);
@@ -48,7 +48,7 @@ double lanczos_bound(const Layout& layout, const Assembly& assembly, const Eigen
       static_cast<int>(std::ceil(0.5 * (1 + std::log(1.648 * std::sqrt(unknowns) / failure) / std::sqrt(margin))));
   const int steps = std::min<int>(wanted, static_cast<int>(unknowns));
 
-  NodalField u(layout), f(layout);
+  NodalField u(layout), v(layout), f(layout);
   Eigen::VectorXd q(scale.size()), before = Eigen::VectorXd::Zero(scale.size());
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const auto number = static_cast<std::uint64_t>(layout.global_of_local[i / 3]) * 3 + i % 3;
@@ -58,8 +58,10 @@ double lanczos_bound(const Layout& layout, const Assembly& assembly, const Eigen
   std::vector<double> diagonal, beside;
   while (true) {
     Eigen::Map<Eigen::VectorXd>(u.data(), q.size()) = scale.cwiseProduct(q);
+    Eigen::Map<Eigen::VectorXd>(v.data(), q.size()) = rate * Eigen::Map<Eigen::VectorXd>(u.data(), q.size());
     u.begin_to_ghosts();
-    assembly.inner_forces(u, f);
+    v.begin_to_ghosts();
+    assembly.linear_forces(u, v, f);
     Eigen::VectorXd w = scale.cwiseProduct(Eigen::Map<Eigen::VectorXd>(f.data(), q.size()));
     if (!beside.empty()) w -= beside.back() * before;
     diagonal.push_back(product(layout.comm, w, q));
@@ -80,17 +82,21 @@ std::string describe(const Setup& setup, const std::vector<Mesh>& meshes, const 
   const Mesh& mesh = meshes[limiter.body];
   const int* nodes = mesh.element(limiter.element);
   double size = INFINITY;
-  for (int a = 0; a < mesh.element_nodes; ++a) {
+  for (int a = 0; a < cell_corners(mesh.element_nodes); ++a) {
     for (int b = 0; b < a; ++b) size = std::min(size, base::norm(mesh.nodes[nodes[a]] - mesh.nodes[nodes[b]]));
   }
   const auto& material = body.materials[mesh.regions[limiter.element]];
   const Vec3 centre = mesh.centre(limiter.element);
   return fmt::format(
       "body \"{}\", {} element {} at ({:.4g}, {:.4g}, {:.4g}) m, shortest edge {:.4g} m, {}E {:.4g} Pa, nu {:.4g}, rho "
-      "{:.4g} kg/m3",
+      "{:.4g} kg/m3{}",
       body.name, body.element, limiter.element + 1, centre.x, centre.y, centre.z, size,
       material.group.empty() ? "" : "\"" + material.group + "\" ", material.young_modulus, material.poisson_ratio,
-      material.density);
+      material.density,
+      material.shear_viscosity > 0 || material.bulk_viscosity > 0
+          ? fmt::format(", viscosity {:.4g} (shear) {:.4g} (bulk) Pa s", material.shear_viscosity,
+                        material.bulk_viscosity)
+          : "");
 }
 
 }  // namespace
@@ -99,9 +105,32 @@ StableStep find_stable_step(const Setup& setup, const std::vector<Mesh>& meshes,
                             const Assembly& assembly, std::span<const double> inverse_mass) {
   Eigen::VectorXd scale(static_cast<Eigen::Index>(inverse_mass.size()));
   for (Eigen::Index i = 0; i < scale.size(); ++i) scale[i] = std::sqrt(inverse_mass[i]);
-  const auto limiter = assembly.limiter();
-  const double bound = std::min(limiter.eigenvalue * (1 + 1e-8), lanczos_bound(layout, assembly, scale));
-  return {bound > 0 ? 2 / std::sqrt(bound) : INFINITY, describe(setup, meshes, limiter)};
+  Assembly::Limiter limiter;
+  /// 2 / sqrt(Lambda) for an upper bound Lambda of the largest eigenvalue of M^-1 (K + rate C)
+  const auto step_at = [&](double rate) {
+    limiter = assembly.limiter(rate);
+    const double bound = std::min(limiter.eigenvalue * (1 + 1e-8), lanczos_bound(layout, assembly, scale, rate));
+    return bound > 0 ? 2 / std::sqrt(bound) : INFINITY;
+  };
+  double step = step_at(0);
+  if (assembly.viscous() && std::isfinite(step)) {
+    // the wanted step t is where step_at(2 / t) = t; both sides in logarithms, where the left one has a slope in [0,
+    // 1/2]
+    double t = std::log(step), slope = 0, before = t, value_before = 0;
+    for (int turn = 0; turn < 12; ++turn) {
+      const double value = std::log(step_at(2 / std::exp(t)));
+      if (turn > 0 && t != before) slope = std::clamp((value - value_before) / (t - before), 0.0, 0.5);
+      before = t;
+      value_before = value;
+      t += (value - t) / (1 - slope);
+      if (std::abs(t - before) < 2e-3) break;
+    }
+    // t was last tried as `before`: there lambda(dt^2 K + 2 dt C) <= 4 (t / value)^2, and s t is stable if that is 4 /
+    // s
+    const double share = std::min(1.0, std::exp(2 * (value_before - before)));
+    step = share * std::exp(before);
+  }
+  return {step, describe(setup, meshes, limiter)};
 }
 
 }  // namespace fem

@@ -1,6 +1,9 @@
 #pragma once
-// Largest stable step of the central difference scheme, undamped: dt = 2 / omega_max, omega_max^2 the largest
-// eigenvalue of M^-1 K with the supports, M lumped.
+// Largest stable step of the central difference scheme: dt = 2 / omega_max, omega_max^2 the largest eigenvalue of M^-1
+// K with the supports, M lumped. Viscous stress takes the velocity of the half step before: M d2u + dt C d1u + dt^2 K u
+// = 0 in differences has no growing solution while the largest eigenvalue of M^-1 (dt^2 K + 2 dt C) is at most 4. So
+// the step is where dt = 2 / omega_max(K + (2 / dt) C); for one mode that is (2 / omega) (sqrt(1 + xi^2) - xi)
+// (Belytschko 2000, 6.2.3). C is taken as laws have it at rest.
 //
 // Lanczos' method approaches the largest eigenvalue from below. After k products from a random start, with probability
 // 1 - p over the start, theta >= (1 - eps) lambda_max where p = 1.648 sqrt(n) exp(-sqrt(eps) (2 k - 1)), n unknowns

@@ -1,5 +1,5 @@
 #pragma once
-// What all elements share: from the slope in reference coordinates to strain, and back from stress to nodal forces.
+// What all elements share: from slopes in reference coordinates to gradients in space, and back from stress to fluxes.
 // The map g[3 e + c] = d xi_e / d x_c comes from invert(). T is a double or a pack of doubles.
 
 namespace fem {
@@ -21,26 +21,21 @@ inline double invert(const double (*j)[3], double* inverse) {
   return determinant;
 }
 
-/// Strain xx, yy, zz, 2 xy, 2 yz, 2 xz from slope[c][e] = d u_c / d xi_e.
+/// h[c][d] = d u_c / d x_d from slope[c][e] = d u_c / d xi_e.
 template <class T>
-inline __attribute__((always_inline)) void to_strain(const T (*slope)[3], const T* g, T* strain) {
-  T h[3][3];  // [c][d] = d u_c / d x_d
+inline __attribute__((always_inline)) void to_gradient(const T (*slope)[3], const T* g, T (*h)[3]) {
   for (int c = 0; c < 3; ++c) {
     for (int d = 0; d < 3; ++d) h[c][d] = slope[c][0] * g[d] + slope[c][1] * g[3 + d] + slope[c][2] * g[6 + d];
   }
-  for (int c = 0; c < 3; ++c) strain[c] = h[c][c];
-  strain[3] = h[0][1] + h[1][0];
-  strain[4] = h[1][2] + h[2][1];
-  strain[5] = h[0][2] + h[2][0];
 }
 
 /// result[c][e] = sum_d stress_cd d xi_e / d x_d
 template <class T>
-inline __attribute__((always_inline)) void to_reference(const T* stress, const T* g, T (*result)[3]) {
-  const T s[3][3] = {
-      {stress[0], stress[3], stress[5]}, {stress[3], stress[1], stress[4]}, {stress[5], stress[4], stress[2]}};
+inline __attribute__((always_inline)) void to_reference(const T (*stress)[3], const T* g, T (*result)[3]) {
   for (int c = 0; c < 3; ++c) {
-    for (int e = 0; e < 3; ++e) result[c][e] = s[c][0] * g[3 * e] + s[c][1] * g[3 * e + 1] + s[c][2] * g[3 * e + 2];
+    for (int e = 0; e < 3; ++e) {
+      result[c][e] = stress[c][0] * g[3 * e] + stress[c][1] * g[3 * e + 1] + stress[c][2] * g[3 * e + 2];
+    }
   }
 }
 

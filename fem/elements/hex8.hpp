@@ -7,7 +7,9 @@
 // Slopes are formed by sums over edges: d u / d xi is constant along xi, so four values per direction serve eight
 // points. Node order as gmsh's and VTK's: 0 (-,-,-), 1 (+,-,-), 2 (+,+,-), 3 (-,+,-), 4 to 7 the same at zeta = +1.
 #include <cmath>
+#include <initializer_list>
 
+#include "fem/elements/elastic.hpp"
 #include "fem/elements/gradient.hpp"
 
 namespace fem {
@@ -23,6 +25,14 @@ constexpr int edge_of(int direction, int p) {
   const int i = p & 1, j = (p >> 1) & 1, k = p >> 2;
   return direction == 0 ? j + 2 * k : direction == 1 ? i + 2 * k : i + 2 * j;
 }
+
+/// Reference coordinate e of node a, and sign of that of Gauss point p.
+constexpr double side(int a, int e) {
+  return e == 0   ? (a == 1 || a == 2 || a == 5 || a == 6 ? 1.0 : -1.0)
+         : e == 1 ? (a % 4 >= 2 ? 1.0 : -1.0)
+                  : (a >= 4 ? 1.0 : -1.0);
+}
+constexpr double sign(int e, int p) { return (p >> e) & 1 ? 1.0 : -1.0; }
 
 /// From values on four edges to values at 2 x 2 Gauss points, halved for d xi = 2; its own transpose.
 template <class T>
@@ -47,109 +57,163 @@ inline __attribute__((always_inline)) void slopes(const T (*u)[3], T (*slope)[3]
   }
 }
 
+/// From places [m]: per point d xi_e / d x_c and the volume it stands for, into geometry[80]. Returns the volume.
+inline double measure_points(const double (*x)[3], double* geometry) {
+  double slope[3][3][4], volume = 0;
+  slopes(x, slope);
+  for (int p = 0; p < 8; ++p) {
+    double jacobian[3][3];
+    for (int e = 0; e < 3; ++e) {
+      for (int c = 0; c < 3; ++c) jacobian[e][c] = slope[c][e][edge_of(e, p)];
+    }
+    geometry[10 * p + 9] = invert(jacobian, geometry + 10 * p);
+    volume += geometry[10 * p + 9];
+  }
+  return volume;
+}
+
+/// Row sums of the mass matrix over the density.
+inline void node_volumes(const double* geometry, double* volumes) {
+  for (int a = 0; a < 8; ++a) {
+    volumes[a] = 0;
+    for (int p = 0; p < 8; ++p) {
+      double shape = geometry[10 * p + 9];
+      for (int e = 0; e < 3; ++e) shape *= 0.5 * (1 + side(a, e) * sign(e, p) * gauss);
+      volumes[a] += shape;
+    }
+  }
+}
+
+/// b[3 a + c] = 1 / V integral of d N_a / d x_c, from the points' geometry.
+inline void mean_gradients(const double* geometry, double volume, double* b) {
+  for (int i = 0; i < 24; ++i) b[i] = 0;
+  for (int p = 0; p < 8; ++p) {
+    for (int a = 0; a < 8; ++a) {
+      for (int e = 0; e < 3; ++e) {
+        double slope = 0.5 * side(a, e);
+        for (const int d : {(e + 1) % 3, (e + 2) % 3}) slope *= 0.5 * (1 + side(a, d) * sign(d, p) * gauss);
+        for (int c = 0; c < 3; ++c)
+          b[3 * a + c] += geometry[10 * p + 9] / volume * slope * geometry[10 * p + 3 * e + c];
+      }
+    }
+  }
+}
+
+/// Gradient of a nodal field at the points, as the trilinear shape functions give it.
+template <class T>
+struct Field {
+  inline __attribute__((always_inline)) Field(const T* geometry, const T (*u)[3]) : g(geometry) { slopes(u, slope); }
+  inline __attribute__((always_inline)) void gradient(int p, T (*h)[3]) const {
+    T local[3][3];
+    for (int c = 0; c < 3; ++c) {
+      for (int e = 0; e < 3; ++e) local[c][e] = slope[c][e][edge_of(e, p)];
+    }
+    to_gradient(local, g + 10 * p, h);
+  }
+  const T* g;
+  T slope[3][3][4];
+};
+
+/// The transpose of Field.
+template <class T>
+struct Forces {
+  explicit inline __attribute__((always_inline)) Forces(const T* geometry) : g(geometry) {}
+  inline __attribute__((always_inline)) void add(int p, const T (*stress)[3]) {
+    T part[3][3];
+    to_reference(stress, g + 10 * p, part);
+    for (int c = 0; c < 3; ++c) {
+      for (int e = 0; e < 3; ++e) flux[c][e][edge_of(e, p)] += part[c][e];
+    }
+  }
+  inline __attribute__((always_inline)) void finish(T (*f)[3]) {
+    for (int c = 0; c < 3; ++c) {
+      for (int a = 0; a < 8; ++a) f[a][c] = T{};
+      for (int e = 0; e < 3; ++e) {
+        edges_to_points(flux[c][e]);
+        for (int m = 0; m < 4; ++m) {
+          f[edges[e][m][1]][c] += flux[c][e][m];
+          f[edges[e][m][0]][c] -= flux[c][e][m];
+        }
+      }
+    }
+  }
+  const T* g;
+  T flux[3][3][4] = {};
+};
+
 }  // namespace hex8
 
 template <bool mean_dilatation>
 struct Hex8 {
   static constexpr const char* name = mean_dilatation ? "hex8_bbar" : "hex8";
-  static constexpr int nodes = 8;
-  static constexpr int geometry_size = 80;  // per point: d xi_e / d x_c, then the volume it stands for
+  static constexpr int nodes = 8, points = 8;
+  // per point: d xi_e / d x_c, then the volume it stands for; B-bar: then the mean gradients [3 a + c]
+  static constexpr int geometry_size = mean_dilatation ? 104 : 80;
+  static constexpr bool assumed_strain = mean_dilatation, stabilised = false;
 
-  static double measure(const double (*x)[3], double* geometry) {
-    double slope[3][3][4], volume = 0;
-    hex8::slopes(x, slope);
-    for (int p = 0; p < 8; ++p) {
-      double jacobian[3][3];
-      for (int e = 0; e < 3; ++e) {
-        for (int c = 0; c < 3; ++c) jacobian[e][c] = slope[c][e][hex8::edge_of(e, p)];
-      }
-      geometry[10 * p + 9] = invert(jacobian, geometry + 10 * p);
-      volume += geometry[10 * p + 9];
-    }
+  static double measure(const double (*x)[3], const Elastic&, double* geometry) {
+    const double volume = hex8::measure_points(x, geometry);
+    if constexpr (mean_dilatation) hex8::mean_gradients(geometry, volume, geometry + 80);
     return volume;
   }
 
-  static void node_volumes(const double* geometry, double* volumes) {
-    for (int a = 0; a < 8; ++a) {
-      const double sign[3] = {a == 1 || a == 2 || a == 5 || a == 6 ? 1.0 : -1.0, a % 4 >= 2 ? 1.0 : -1.0,
-                              a >= 4 ? 1.0 : -1.0};
-      volumes[a] = 0;
-      for (int p = 0; p < 8; ++p) {
-        double shape = geometry[10 * p + 9];
-        for (int d = 0; d < 3; ++d) shape *= 0.5 * (1 + sign[d] * ((p >> d) & 1 ? hex8::gauss : -hex8::gauss));
-        volumes[a] += shape;
-      }
-    }
+  static void node_volumes(const double (*)[3], const double* geometry, double* volumes) {
+    hex8::node_volumes(geometry, volumes);
   }
 
-  template <class T, class Law>
-  static inline __attribute__((always_inline)) void forces(const T* g, const Law& law, const T (*u)[3], T (*f)[3]) {
-    T stress[8][6], flux[3][3][4] = {};
-    point_stresses(g, law, u, stress);
-    for (int p = 0; p < 8; ++p) {
-      T part[3][3];
-      for (int i = 0; i < 6; ++i) stress[p][i] *= g[10 * p + 9];
-      to_reference(stress[p], g + 10 * p, part);
-      for (int c = 0; c < 3; ++c) {
-        for (int e = 0; e < 3; ++e) flux[c][e][hex8::edge_of(e, p)] += part[c][e];
-      }
-    }
-    for (int c = 0; c < 3; ++c) {
-      for (int a = 0; a < 8; ++a) f[a][c] = T{};
-      for (int e = 0; e < 3; ++e) {
-        hex8::edges_to_points(flux[c][e]);
-        for (int m = 0; m < 4; ++m) {
-          f[hex8::edges[e][m][1]][c] += flux[c][e][m];
-          f[hex8::edges[e][m][0]][c] -= flux[c][e][m];
+  template <class T>
+  static T weight(const T* g, int p) {
+    return g[10 * p + 9];
+  }
+
+  template <class T>
+  struct Field : hex8::Field<T> {
+    inline __attribute__((always_inline)) Field(const T* geometry, const Elastic&, const T (*u)[3])
+        : hex8::Field<T>(geometry, u) {
+      if constexpr (mean_dilatation) {
+        for (int a = 0; a < 8; ++a) {
+          for (int c = 0; c < 3; ++c) mean += geometry[80 + 3 * a + c] * u[a][c];
         }
       }
     }
-  }
-
-  template <class T, class Law>
-  static void mean_stress(const T* g, const Law& law, const T (*u)[3], T* mean) {
-    T stress[8][6], volume{};
-    point_stresses(g, law, u, stress);
-    for (int i = 0; i < 6; ++i) mean[i] = T{};
-    for (int p = 0; p < 8; ++p) {
-      for (int i = 0; i < 6; ++i) mean[i] += g[10 * p + 9] * stress[p][i];
-      volume += g[10 * p + 9];
-    }
-    for (int i = 0; i < 6; ++i) mean[i] /= volume;
-  }
-
- private:
-  template <class T, class Law>
-  static inline __attribute__((always_inline)) void point_stresses(const T* g, const Law& law, const T (*u)[3],
-                                                                   T (*stress)[6]) {
-    T slope[3][3][4], strain[8][6];
-    hex8::slopes(u, slope);
-    for (int p = 0; p < 8; ++p) {
-      T local[3][3];
-      for (int c = 0; c < 3; ++c) {
-        for (int e = 0; e < 3; ++e) local[c][e] = slope[c][e][hex8::edge_of(e, p)];
+    inline __attribute__((always_inline)) void gradient(int p, T (*h)[3]) const {
+      hex8::Field<T>::gradient(p, h);
+      if constexpr (mean_dilatation) {
+        const T change = (mean - (h[0][0] + h[1][1] + h[2][2])) * (1.0 / 3.0);
+        for (int c = 0; c < 3; ++c) h[c][c] += change;
       }
-      to_strain(local, g + 10 * p, strain[p]);
     }
-    if constexpr (mean_dilatation) average_trace(g, strain);
-    for (int p = 0; p < 8; ++p) law.stress(strain[p], stress[p]);
-    if constexpr (mean_dilatation) average_trace(g, stress);
-  }
+    T mean{};  // dilatation
+  };
 
-  /// Gives the tensors of all points the same trace: its volume average.
   template <class T>
-  static inline __attribute__((always_inline)) void average_trace(const T* g, T (*tensor)[6]) {
-    T volume{}, sum{};
-    for (int p = 0; p < 8; ++p) {
-      volume += g[10 * p + 9];
-      sum += g[10 * p + 9] * (tensor[p][0] + tensor[p][1] + tensor[p][2]);
+  struct Forces : hex8::Forces<T> {
+    inline __attribute__((always_inline)) Forces(const T* geometry, const Elastic&) : hex8::Forces<T>(geometry) {}
+    inline __attribute__((always_inline)) void add(int p, const T (*stress)[3]) {
+      if constexpr (mean_dilatation) {
+        const T third = (stress[0][0] + stress[1][1] + stress[2][2]) * (1.0 / 3.0);
+        T deviator[3][3];
+        for (int c = 0; c < 3; ++c) {
+          for (int d = 0; d < 3; ++d) deviator[c][d] = stress[c][d];
+          deviator[c][c] -= third;
+        }
+        pressure += third;
+        hex8::Forces<T>::add(p, deviator);
+      } else {
+        hex8::Forces<T>::add(p, stress);
+      }
     }
-    const T mean = sum / volume;
-    for (int p = 0; p < 8; ++p) {
-      const T change = (mean - (tensor[p][0] + tensor[p][1] + tensor[p][2])) * (1.0 / 3.0);
-      for (int i = 0; i < 3; ++i) tensor[p][i] += change;
+    template <bool hooke>
+    inline __attribute__((always_inline)) void finish(T (*f)[3]) {
+      hex8::Forces<T>::finish(f);
+      if constexpr (mean_dilatation) {
+        for (int a = 0; a < 8; ++a) {
+          for (int c = 0; c < 3; ++c) f[a][c] += pressure * this->g[80 + 3 * a + c];
+        }
+      }
     }
-  }
+    T pressure{};  // sum of weight times mean stress
+  };
 };
 
 }  // namespace fem

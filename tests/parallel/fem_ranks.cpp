@@ -117,6 +117,59 @@ TEST(FemRanks, OneModelOnAnyNumberOfRanks) {
               alone->probe_point("ground", {0.3, 0.75, 0}, Quantity::velocity), speed);
 }
 
+/// Second-order elements, viscosity, turning, plasticity, motion, pressure and an absorbing side.
+fem::Setup mixed_bodies() {
+  fem::Setup setup;
+  setup.gravity = {0, 0, -9.81};
+  auto soil = fem_test::box("hex8_incompatible", {2, 0.6, 0.6, 9, 3, 3});
+  soil.name = "soil";
+  soil.materials = {{"", "drucker_prager", 60e6, 0.3, 2000, "", 1e3, 1e3, 20e3, 0.5, 0.1}};
+  soil.absorbing = {{"x_max", ""}};
+  soil.supports = {{"z_min", {false, false, true}, ""}};
+  soil.loads = {
+      {"foot", "z_max", fem::LoadKind::pressure, {}, fem_test::history([](double t) { return 2e8 * t; }), ""}};
+  auto beam = fem_test::box("tet10", {1, 0.2, 0.2, 5, 1, 1});
+  beam.name = "beam";
+  beam.translation = {0, 0, 2};
+  beam.stiffness_damping = 1e-6;
+  beam.motions = {{"shake",
+                   "x_min",
+                   fem::PrescribedMotion::Kind::displacement,
+                   {true, true, true},
+                   fem_test::history([](double t) { return 1e-4 * (1 - std::cos(5e3 * t)); }),
+                   ""}};
+  auto top = fem_test::box("hex20_reduced", {1, 0.2, 0.2, 5, 1, 1});
+  top.name = "top";
+  top.translation = {0, 0, 3};
+  top.materials = {{"", "left_cauchy_green", 45e9, 0.2, 2400, "", 1e4, 0}};
+  top.skin = {"x_max"};
+  setup.bodies = {soil, beam, top};
+  return setup;
+}
+
+TEST(FemRanks, EveryKindOfBodyOnAnyNumberOfRanks) {
+  const auto together = fem::Model::create(MPI_COMM_WORLD, mixed_bodies()),
+             alone = fem::Model::create(MPI_COMM_SELF, mixed_bodies());
+  EXPECT_NEAR(together->stable_step().limit, alone->stable_step().limit, 1e-9 * alone->stable_step().limit);
+  EXPECT_EQ(together->stable_step().limiter, alone->stable_step().limiter);
+  const double dt = 0.9 * alone->stable_step().limit;
+  for (int i = 0; i < 300; ++i) {
+    fem_test::step(*together, dt);
+    fem_test::step(*alone, dt);
+  }
+  const auto a = together->energy(), b = alone->energy();
+  EXPECT_GT(b.loss_plastic, 0);
+  EXPECT_GT(b.loss_viscous, 0);
+  for (auto term : {&base::Energy::kinetic, &base::Energy::strain, &base::Energy::work_loads,
+                    &base::Energy::loss_damping, &base::Energy::loss_viscous, &base::Energy::loss_plastic}) {
+    EXPECT_NEAR(a.*term, b.*term, 1e-10 * b.work_loads);
+  }
+  for (const char* body : {"soil", "beam", "top"}) {
+    const auto moved = alone->probe_group(body, "x_max", Quantity::displacement);
+    expect_near(together->probe_group(body, "x_max", Quantity::displacement), moved, base::norm(moved) + 1e-6);
+  }
+}
+
 TEST(FemRanks, AWrongInputIsThrownOnEveryRank) {
   auto setup = track();
   setup.bodies[1].mesh_file = "nowhere.geo";

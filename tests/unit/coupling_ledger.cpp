@@ -63,4 +63,17 @@ TEST(Ledger, WhatWasStoredBeforeTheZeroDoesNotCount) {
   EXPECT_DOUBLE_EQ(ledger.residual(), 0);
 }
 
+// A body let go: 8 J swing, the load's last 1e-12 J are no scale for what is missing.
+TEST(Ledger, FreeVibrationsAreMeasuredByTheirEnergy) {
+  Sides sides;
+  sides.bodies.strain = 8;
+  Ledger ledger;
+  ledger.start(sides);
+  sides.bodies.kinetic = 2;
+  sides.bodies.strain = 6.08;
+  sides.bodies.work_loads = 1e-12;
+  ledger.add(sides);
+  EXPECT_NEAR(ledger.relative_error(), 0.01, 1e-12);
+}
+
 }  // namespace

@@ -159,8 +159,9 @@ TEST_F(SceneFile, BodyMistakes) {
             "a.toml:11: body.beam.material.poisson_ratio = 0.5; must be in (-1, 0.5)");
   EXPECT_EQ(with("fix = [\"x\", \"z\"]", "fix = [\"w\"]"),
             "a.toml:15: body.beam.support.fix = \"w\"; must be one of: x, y, z");
-  EXPECT_EQ(with("nodal_total", "nodal"),
-            "a.toml:19: body.beam.load.tip.kind = \"nodal\"; must be one of: face_total, nodal_total, traction");
+  EXPECT_EQ(
+      with("nodal_total", "nodal"),
+      "a.toml:19: body.beam.load.tip.kind = \"nodal\"; must be one of: face_total, nodal_total, traction, pressure");
   EXPECT_EQ(with("\"200 N\"", "\"200 Pa\""),
             "a.toml:21: body.beam.load.tip.history.value = \"200 Pa\"; Pa is a pressure, must be a force; write a "
             "number with "
@@ -171,6 +172,80 @@ TEST_F(SceneFile, BodyMistakes) {
             "a.toml:20: body.beam.load.tip.direction = [0.0, 0.0, 0.0]; must not be zero; give a direction");
   EXPECT_EQ(with("name = \"beam\"", "name = \"beam\"\nelement = \"hex9\"").substr(0, 64),
             "a.toml:6: body.beam.element = \"hex9\"; must be one of: hex8, hex8");
+}
+
+const std::string soil = R"([[body]]
+name = "soil"
+mesh = "box.geo"
+element = "hex20_reduced"
+stiffness_damping = "2 us"
+[[body.material]]
+law = "drucker_prager"
+young_modulus = "60 MPa"
+poisson_ratio = 0.3
+density = "2000 kg/m3"
+cohesion = "20 kPa"
+friction_angle = "30 deg"
+fit = "inner"
+shear_viscosity = "3 kPa s"
+[[body.motion]]
+name = "shake"
+group = "x_min"
+kind = "velocity"
+along = ["x", "z"]
+history = { kind = "constant", value = "2 mm/s" }
+[[body.absorbing]]
+group = "x_max"
+[[body.load]]
+name = "foot"
+group = "z_max"
+kind = "pressure"
+history = { kind = "constant", value = "5 kPa" }
+)";
+
+TEST_F(SceneFile, LawsMotionsAndAbsorbingSides) {
+  const Scene scene = read(stage + soil);
+  const auto& read_body = scene.bodies.at(0);
+  EXPECT_EQ(read_body.stiffness_damping, 2e-6);
+  const auto& material = read_body.materials.at(0);
+  EXPECT_EQ(material.law, "drucker_prager");
+  EXPECT_EQ(material.cohesion, 20e3);
+  EXPECT_NEAR(material.friction_angle, 0.5235987755982988, 1e-15);
+  EXPECT_EQ(material.dilation_angle, 0);
+  EXPECT_EQ(material.fit, "inner");
+  EXPECT_EQ(material.shear_viscosity, 3e3);
+  EXPECT_EQ(material.bulk_viscosity, 0);
+  const auto& motion = read_body.motions.at(0);
+  EXPECT_EQ(motion.kind, fem::PrescribedMotion::Kind::velocity);
+  EXPECT_EQ(motion.along, (std::array<bool, 3>{true, false, true}));
+  EXPECT_EQ(motion.history->value(1), 2e-3);
+  EXPECT_EQ(read_body.absorbing.at(0).group, "x_max");
+  EXPECT_EQ(read_body.absorbing.at(0).origin, "a.toml:24");
+  EXPECT_EQ(read_body.loads.at(0).kind, fem::LoadKind::pressure);
+}
+
+TEST_F(SceneFile, LawAndMotionMistakes) {
+  const auto with = [](const std::string& from, const std::string& to) {
+    std::string text = stage + soil;
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return error_of(text.replace(at, from.size(), to));
+  };
+  EXPECT_EQ(with("\"drucker_prager\"", "\"druker_prager\""),
+            "a.toml:10: body.soil.material.law = \"druker_prager\"; must be one of: linear_elastic, kelvin_voigt, "
+            "left_cauchy_green, drucker_prager; did you mean \"drucker_prager\"?");
+  EXPECT_EQ(with("\"drucker_prager\"", "\"kelvin_voigt\"").substr(0, 33), "a.toml:14: body.soil.material.coh");
+  EXPECT_EQ(with("[\"x\", \"z\"]", "[]"),
+            "a.toml:22: body.soil.motion.shake.along = []; leads nowhere; give some of \"x\", \"y\", \"z\"");
+  EXPECT_EQ(with("\"2 mm/s\"", "\"2 mm\""),
+            "a.toml:23: body.soil.motion.shake.history.value = \"2 mm\"; mm is a length, must be a speed; write a "
+            "number with "
+            "a unit such as m/s");
+  EXPECT_EQ(with("\"3 kPa s\"", "\"3 kPa\""),
+            "a.toml:17: body.soil.material.shear_viscosity = \"3 kPa\"; kPa is a pressure, must be a viscosity; write "
+            "a number "
+            "with a unit such as Pa s");
+  EXPECT_EQ(with("name = \"foot\"", "name = \"shake\"").substr(0, 10), "a.toml:27:");  // one name for both
 }
 
 TEST_F(SceneFile, PackingMistakes) {
@@ -346,7 +421,7 @@ TEST(List, EveryFamilyHasTextAndAnUnknownOneIsRefused) {
   } catch (const base::UserError& error) {
     EXPECT_STREQ(error.what(),
                  "list histroies: no such family; did you mean \"histories\"? choose one of: laws, rolling, elements, "
-                 "materials, histories, loads, gradings, probes, results, scene");
+                 "materials, histories, loads, motions, gradings, probes, results, scene");
   }
 }
 

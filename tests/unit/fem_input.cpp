@@ -136,12 +136,14 @@ TEST(FemInput, MaterialRanges) {
   expect_message(body, {"density = -1; must be > 0 kg/m3"});
   body = box("hex8", {});
   body.materials[0].law = "rubber";
-  expect_message(body, {"law = \"rubber\"; must be one of: linear_elastic"});
+  expect_message(body, {"law = \"rubber\"; must be one of: linear_elastic, kelvin_voigt, left_cauchy_green"});
 }
 
 TEST(FemInput, ElementThatDoesNotFitTheMesh) {
-  auto body = box("hex20", {});
-  expect_message(body, {"element = \"hex20\"; must be one of: hex8, hex8_bbar, tet4"});
+  auto body = box("hex27", {});
+  expect_message(body,
+                 {"element = \"hex27\"; must be one of: hex8, hex8_bbar, hex8_incompatible, hex8_one_point, hex20, "
+                  "hex20_reduced, tet4, tet10"});
   body.element = "hex8";
   body.mesh_parameters.clear();
   body.mesh_file =
@@ -150,8 +152,71 @@ TEST(FemInput, ElementThatDoesNotFitTheMesh) {
               "Line(1) = {1,2}; Line(2) = {2,3}; Line(3) = {3,1}; Curve Loop(1) = {1,2,3}; Plane Surface(1) = {1}; "
               "o[] = Extrude {0,0,1} { Surface{1}; }; Physical Volume(\"solid\") = {o[1]};\n");
   expect_message(body, {"element = \"hex8\" needs hexahedra", "holds tetrahedra", "use element = \"tet4\""});
-  body.element = "tet4";
-  EXPECT_EQ(message_of(body), "no error");
+  for (const char* element : {"tet4", "tet10"}) {
+    body.element = element;
+    EXPECT_EQ(message_of(body), "no error");
+  }
+}
+
+/// The unit cube as one hexahedron of twenty nodes in gmsh's order; the middle of its edge 0-1 at the given height.
+std::string one_hex20(double height) {
+  std::string nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n";
+  nodes += "9 .5 0 " + std::to_string(height) + "\n10 0 .5 0\n11 0 0 .5\n12 1 .5 0\n13 1 0 .5\n14 .5 1 0\n15 1 1 .5\n";
+  nodes += "16 0 1 .5\n17 .5 0 1\n18 0 .5 1\n19 1 .5 1\n20 .5 1 1\n";
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"solid\"\n$EndPhysicalNames\n$Nodes\n20\n" +
+         nodes +
+         "$EndNodes\n$Elements\n1\n1 17 2 1 1 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20\n$EndElements\n";
+}
+
+// A wrong order of the middle nodes would turn the cube inside out somewhere, or give it another volume.
+TEST(FemInput, MeshesOfTheSecondOrder) {
+  auto body = box("hex20", {});
+  body.mesh_parameters.clear();
+  body.mesh_file = written("hex20.msh", one_hex20(0));
+  const auto model = fem::Model::create(MPI_COMM_SELF, {{body}, {}});
+  EXPECT_EQ(model->counts()[0].nodes, 20);
+  EXPECT_NEAR(model->counts()[0].mass, 2350, 1e-9);
+  body.element = "hex8";
+  expect_message(body, {"element = \"hex8\" has no middle nodes", "use element = \"hex20\", or mesh with"});
+  body.element = "tet10";
+  expect_message(body, {"element = \"tet10\" needs tetrahedra, or hexahedra of 8 nodes to cut"});
+  body.element = "hex20";
+  body.mesh_file = written("bent.msh", one_hex20(1.9));
+  expect_message(body, {"element 1 at (0.5, 0.5, 0.595) m is bent inside out by its middle nodes"});
+}
+
+// Made by gmsh or cut here, second-order boxes have the volume of the box, and groups have their middles.
+TEST(FemInput, BoxesOfTheSecondOrder) {
+  for (const char* element : {"hex20", "hex20_reduced", "tet10"}) {
+    const auto model = fem::Model::create(MPI_COMM_SELF, {{box(element, {1, 2, 3, 2, 1, 1})}, {}});
+    EXPECT_EQ(model->counts()[0].elements, std::string(element) == "tet10" ? 12 : 2);
+    EXPECT_EQ(model->counts()[0].nodes, std::string(element) == "tet10" ? 45 : 32);
+    EXPECT_NEAR(model->counts()[0].mass, 6 * 2350, 1e-8);
+    auto held = box(element, {1, 2, 3, 2, 1, 1});
+    held.supports = {{"x_min", {true, true, true}, ""}};
+    held.loads = {{"push", "x_min", fem::LoadKind::nodal_total, {1, 0, 0}, history([](double) { return 1; }), ""}};
+    expect_message(held, {"is held by supports"});  // all of its nodes, middles too
+  }
+}
+
+TEST(FemInput, BoundariesThatCannotBe) {
+  auto body = box("hex8", {});
+  body.supports = {{"x_min", {true, true, true}, "scene.toml:9"}};
+  body.motions = {{"shake",
+                   "x_min",
+                   fem::PrescribedMotion::Kind::displacement,
+                   {true, false, false},
+                   history([](double) { return 0; }),
+                   "scene.toml:12"}};
+  expect_message(body,
+                 {"scene.toml:12: body \"box\": motion.group = \"x_min\" has nodes that a support or another motion "
+                  "leads along x"});
+  body.motions.clear();
+  body.absorbing = {{"solid", "scene.toml:14"}};
+  expect_message(body, {"scene.toml:14: body \"box\": absorbing.group = \"solid\" is not an outer surface"});
+  body.absorbing.clear();
+  body.stiffness_damping = -1;
+  expect_message(body, {"stiffness_damping = -1; must be >= 0 s"});
 }
 
 TEST(FemInput, LoadOnAHeldGroup) {

@@ -1,0 +1,29 @@
+// How the bodies are solved: the table [fem].
+#include "coupling/scene_tables.hpp"
+
+namespace coupling {
+
+const base::Table& fem_table() {
+  static const base::Table table{
+      "fem",
+      "how the bodies are solved",
+      {base::text("solver",
+                  "explicit: central difference; newmark: implicit steps of time.fem_step; static: every step of "
+                  "time.fem_step ends in equilibrium; modal: free vibrations, no stages")
+           .among({"explicit", "newmark", "static", "modal"})
+           .otherwise("explicit"),
+       base::real("beta", "", "of newmark; stable at any step for 2 beta >= gamma").above(0).optional("0.25"),
+       base::real("gamma", "", "of newmark; above 0.5 it damps high modes").at_least(0.5).optional("0.5"),
+       base::text("linear_solver",
+                  "direct: factorisation; iterative: conjugate gradients with multigrid; auto: direct up to 150000 "
+                  "unknowns. Not of a purely explicit run; modal factorises")
+           .among({"auto", "direct", "iterative"})
+           .optional("auto"),
+       base::text("start", "equilibrium: at rest under the loads of time 0; of explicit and newmark")
+           .among({"rest", "equilibrium"})
+           .optional("rest"),
+       base::integer("modes", "of modal: how many of every body, without rigid motions").at_least(1).optional("6")}};
+  return table;
+}
+
+}  // namespace coupling

@@ -1,0 +1,21 @@
+#pragma once
+// Stress at a node from the elements around it: the patch recovery of Zienkiewicz & Zhu (1992, DOI
+// 10.1002/nme.1620330702), with a linear field through the elements' mean stresses at their centres.
+//   sigma(x) = sum_e w_e sigma_e,  w_e = 1/n + d_e . (sum d d^T)^+ (x - c),  d_e = x_e - c
+// over n elements with centres x_e, c their mean: the least-squares fit, level where the patch says nothing.
+// It is exact for a stress that is linear in space, on the surface too, where the mean of the elements around a node is
+// that of half a layer below. The patch grows ring by ring until it determines the field, or has all there is.
+#include <vector>
+
+#include "fem/mesh.hpp"
+
+namespace fem {
+
+struct Recovery {
+  std::vector<int> elements;    // of the mesh
+  std::vector<double> weights;  // of their mean stresses; they sum to 1
+};
+
+Recovery recovery_at(const Mesh&, int node);
+
+}  // namespace fem

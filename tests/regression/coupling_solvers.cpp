@@ -1,0 +1,89 @@
+// Scenes of the implicit solvers as a user starts them.
+#include <gtest/gtest.h>
+
+#include "tests/regression/run_helper.hpp"
+
+namespace {
+
+using namespace regression;
+
+double relative_error(const nlohmann::json& json, const char* name) {
+  return json["results"][name]["relative_error"].get<double>();
+}
+
+TEST(Solvers, CantileverInEquilibrium) {
+  const fs::path out = scratch() / "cantilever_static";
+  const auto finished = trackbed("run " + scene("cantilever_static.toml") + " --out " + out.string(), 2);
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  EXPECT_EQ(json["solver"], "static");
+  EXPECT_EQ(json["steps"]["fem"], 1);
+  for (const char* tip : {"tip_tet4", "tip_hex8", "tip_bbar"})
+    EXPECT_LT(std::abs(relative_error(json, tip)), 1e-4) << tip;
+  EXPECT_LT(std::abs(relative_error(json, "clamp_bbar")), 1e-8);
+  EXPECT_LT(json["energy"]["relative_error"].get<double>(), 1e-8);
+  EXPECT_TRUE(fs::exists(out / "bbar.pvd"));
+}
+
+// The box's bending against Timoshenko's beam: 0.5 %.
+TEST(Solvers, SleeperModes) {
+  const fs::path out = scratch() / "sleeper_modes";
+  const auto finished = trackbed("run " + scene("sleeper_modes.toml") + " --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  EXPECT_EQ(json["modes"]["sleeper"]["rigid_motions"], 6);
+  EXPECT_EQ(json["modes"]["sleeper"]["modes"].size(), 8u);
+  for (const char* mode : {"bending_1", "bending_2", "bending_3"})
+    EXPECT_LT(std::abs(relative_error(json, mode)), 0.005) << mode;
+  EXPECT_NE(finished.output.find("body sleeper: 8 elastic modes, 6 rigid motions"), std::string::npos);
+  EXPECT_TRUE(fs::exists(out / "sleeper" / "sleeper_0007.vtu"));
+}
+
+// Linear elements round off the edge of the footing: what they cost here is known (0.4 and 1.3 %).
+TEST(Solvers, SubgradeBlock) {
+  const fs::path out = scratch() / "subgrade_block";
+  const auto finished = trackbed("run " + scene("subgrade_block.toml") + " --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  EXPECT_LT(std::abs(relative_error(json, "middle")), 0.005);
+  EXPECT_LT(std::abs(relative_error(json, "corner")), 0.015);
+  EXPECT_LT(std::abs(relative_error(json, "base")), 1e-6);
+}
+
+TEST(Solvers, PlateOnLedges) {
+  const fs::path out = scratch() / "plate_static";
+  const auto finished = trackbed("run " + scene("plate_static.toml") + " --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  for (const char* place : {"deflection_0m", "deflection_1m", "deflection_2m"})
+    EXPECT_LT(std::abs(relative_error(json, place)), 0.006) << place;
+}
+
+TEST(Solvers, AMechanismIsTheUsersMistake) {
+  const fs::path file = scratch() / "loose.toml", out = scratch() / "loose";
+  std::ofstream(file) << "[fem]\nsolver = \"static\"\n[[body]]\nname = \"beam\"\nmesh = \"" << TRACKBED_SOURCE_FOLDER
+                      << "/meshes/box.geo\"\n[[body.material]]\nyoung_modulus = 1e9\npoisson_ratio = 0.2\n"
+                         "density = 2000\n[[body.support]]\ngroup = \"z_min\"\nfix = [\"z\"]\n"
+                         "[[stage]]\nname = \"rest\"\nduration = 1\n";
+  for (const int ranks : {0, 2}) {
+    const auto finished = trackbed("run '" + file.string() + "' --out " + out.string(), ranks);
+    EXPECT_EQ(finished.status, 2) << finished.output;
+    EXPECT_NE(finished.output.find("loose.toml:3: body \"beam\": nothing holds it against translation along x, "
+                                   "translation along y, rotation about z through (1.2, 0, 0) m; there is no "
+                                   "equilibrium, the static system is singular; add a [[body.support]] that fixes it"),
+              std::string::npos)
+        << finished.output;
+    EXPECT_FALSE(fs::exists(out));
+  }
+}
+
+TEST(Solvers, CheckSaysHowBodiesAreSolved) {
+  const auto modal = trackbed("check " + scene("sleeper_modes.toml"));
+  EXPECT_EQ(modal.status, 0) << modal.output;
+  EXPECT_NE(modal.output.find("bodies: modal"), std::string::npos) << modal.output;
+  EXPECT_NE(modal.output.find("modes: 8 of every body"), std::string::npos) << modal.output;
+  const auto still = trackbed("check " + scene("cantilever_static.toml"));
+  EXPECT_NE(still.output.find("stage equilibrium: 1 s in 1 implicit steps"), std::string::npos) << still.output;
+}
+
+}  // namespace

@@ -1,0 +1,136 @@
+// Equilibria against established codes: the cantilever of Nishiura2017 3.1 (L 2.4 m, 0.25 x 0.22 m, E 45 GPa, nu 0.167,
+// clamped at x = 0, 200 N shared equally by the nodes at x = L). Expected tip displacements: CalculiX 2.20 and
+// FrontISTR on the same meshes, which agree to all digits given; a wrong split, quadrature or node share changes the
+// third digit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+#include "tests/fem_helper.hpp"
+
+namespace {
+
+using fem::Quantity;
+
+testing::Environment* const petsc = testing::AddGlobalTestEnvironment(new fem_test::PetscEnvironment);
+
+fem::Setup statics(const fem::Body& body, base::Vec3 gravity = {}) {
+  fem::Setup setup{{body}, gravity};
+  setup.solver.kind = fem::Solver::statics;
+  return setup;
+}
+
+struct Tip {
+  const char* element;
+  int cells_x, cells_yz;
+  double deflection;  // [m]
+  fem::LinearSolver solver;
+};
+std::ostream& operator<<(std::ostream& out, const Tip& tip) { return out << tip.element << " " << tip.cells_x; }
+
+fem::Body cantilever(const std::string& element, int cells_x, int cells_yz) {
+  auto body = fem_test::box(element, {2.4, 0.25, 0.22, cells_x, cells_yz, cells_yz});
+  body.supports = {{"x_min", {true, true, true}, "supports"}};
+  body.loads = {
+      {"tip", "x_max", fem::LoadKind::nodal_total, {0, 0, -1}, fem_test::history([](double) { return 200; }), ""}};
+  return body;
+}
+
+struct StaticTip : testing::TestWithParam<Tip> {};
+
+TEST_P(StaticTip, DeflectsAsInOtherCodes) {
+  const Tip expected = GetParam();
+  auto setup = statics(cantilever(expected.element, expected.cells_x, expected.cells_yz));
+  setup.solver.linear_solver = expected.solver;
+  const auto model = fem::Model::create(MPI_COMM_SELF, setup);
+  fem_test::step(*model, 1);
+  const double tip = -model->probe_point("box", {2.4, 0, 0}, Quantity::displacement).z;
+  EXPECT_NEAR(tip, expected.deflection, 1e-4 * expected.deflection);
+  // Supports carry the load and nothing else; moments are theirs too, but forces sum.
+  const auto reaction = model->reaction("box", "x_min");
+  EXPECT_NEAR(reaction.x, 0, 1e-7);
+  EXPECT_NEAR(reaction.y, 0, 1e-7);
+  EXPECT_NEAR(reaction.z, 200, 1e-7);
+  // A load that grows in proportion does half the work of the whole load on the whole way (Clapeyron).
+  const auto energy = model->energy();
+  EXPECT_NEAR(energy.strain, energy.work_loads, 1e-8 * energy.strain);
+  EXPECT_EQ(energy.kinetic, 0);
+}
+
+constexpr auto direct = fem::LinearSolver::direct, iterative = fem::LinearSolver::iterative;
+INSTANTIATE_TEST_SUITE_P(Fem, StaticTip,
+                         testing::Values(Tip{"tet4", 24, 2, 52.5128e-6, direct}, Tip{"tet4", 48, 4, 77.0629e-6, direct},
+                                         Tip{"tet4", 48, 4, 77.0629e-6, iterative},
+                                         Tip{"hex8", 24, 2, 84.1215e-6, direct}, Tip{"hex8", 48, 4, 90.3343e-6, direct},
+                                         Tip{"hex8_bbar", 48, 4, 92.4457e-6, direct},
+                                         Tip{"hex8_bbar", 48, 4, 92.4457e-6, iterative}));
+
+// A column under its own weight on rollers: u = rho g (x - L) x / (2 E) upwards from the base, linear elements hit it
+// at their nodes; the base carries the weight.
+TEST(Statics, ColumnUnderItsOwnWeight) {
+  auto body = fem_test::box("hex8", {2, 0.4, 0.4, 8, 2, 2});
+  body.gravity = true;
+  body.materials[0].poisson_ratio = 0;
+  body.supports = {
+      {"x_min", {true, false, false}, ""}, {"y_min", {false, true, false}, ""}, {"z_min", {false, false, true}, ""}};
+  const auto model = fem::Model::create(MPI_COMM_SELF, statics(body, {-9.81, 0, 0}));
+  fem_test::step(*model, 1);
+  const double down = 2350 * 9.81 * 2 * 2 / (2 * 45e9);
+  EXPECT_NEAR(model->probe_group("box", "x_max", Quantity::displacement).x, -down, 1e-9 * down);
+  const double weight = 2350 * 9.81 * 2 * 0.4 * 0.4;
+  EXPECT_NEAR(model->reaction("box", "x_min").x, weight, 1e-9 * weight);
+  const auto energy = model->energy();
+  EXPECT_NEAR(energy.strain, energy.work_gravity, 1e-9 * energy.strain);
+}
+
+// The same equilibrium as the start of an explicit run: it stays at rest, where a start from zero would swing.
+TEST(Statics, ExplicitRunFromEquilibriumStaysThere) {
+  auto body = cantilever("hex8", 12, 2);
+  body.gravity = true;
+  fem::Setup setup{{body}, {0, 0, -9.81}};
+  setup.solver.start_in_equilibrium = true;
+  const auto model = fem::Model::create(MPI_COMM_SELF, setup);
+  const double tip = model->probe_point("box", {2.4, 0, 0}, Quantity::displacement).z;
+  EXPECT_LT(tip, -200e-6);  // the beam's weight of 3 kN bends it four times as far as the load
+  for (int i = 0; i < 500; ++i) fem_test::step(*model, 0.9 * model->stable_step().limit);
+  EXPECT_NEAR(model->probe_point("box", {2.4, 0, 0}, Quantity::displacement).z, tip, 1e-8 * std::abs(tip));
+}
+
+std::string message_of(const fem::Setup& setup) {
+  try {
+    fem::Model::create(MPI_COMM_SELF, setup);
+  } catch (const base::UserError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+// A motion without resistance is named before any solver stumbles over it.
+TEST(Statics, FreeMotionsAreNamed) {
+  auto body = fem_test::box("hex8", {2, 0.4, 0.4, 4, 1, 1});
+  const std::string
+      head = "scene.toml:3: body \"box\": nothing holds it against ",
+      tail = "; there is no equilibrium, the static system is singular; add a [[body.support]] that fixes it";
+  EXPECT_EQ(message_of(statics(body)),
+            head +
+                "translation along x, translation along y, translation along z, rotation about x through (1, 0, 0) m, "
+                "rotation about y through (1, 0, 0) m, rotation about z through (1, 0, 0) m" +
+                tail);
+  body.supports = {{"x_min", {true, false, false}, ""}};
+  EXPECT_EQ(message_of(statics(body)), head +
+                                           "translation along y, translation along z, rotation about x through (1, 0, "
+                                           "0) m" +
+                                           tail);
+  body.supports = {{"x_min", {true, true, true}, ""}};
+  EXPECT_EQ(message_of(statics(body)), "no error");
+  auto setup = statics(body);
+  setup.bodies[0].supports = {{"z_min", {false, true, true}, ""}};
+  EXPECT_EQ(message_of(setup), head + "translation along x" + tail);
+  setup.solver.kind = fem::Solver::explicit_steps;
+  EXPECT_EQ(message_of(setup), "no error");
+  setup.solver.start_in_equilibrium = true;
+  EXPECT_EQ(message_of(setup), head + "translation along x" + tail);
+}
+
+}  // namespace
