@@ -42,22 +42,23 @@ void refuse_idle_parts(const Value& root, const Scene& scene, const std::string&
          fmt::format("fem.solver = \"{}\" goes without grains, whose contacts need explicit steps", solver),
          "remove the grains, or set fem.solver = \"explicit\"");
   for (const auto& body : root.rows("body")) {
-    const bool damped = body.at("damping").real() > 0 || body.at("stiffness_damping").real() > 0;
-    if (damped && kind != fem::Solver::newmark)
-      fail(body.at(body.at("damping").real() > 0 ? "damping" : "stiffness_damping"),
-           fmt::format("fem.solver = \"{}\" knows no damping", solver), "remove it");
-    for (const char* part : {"motion", "absorbing"}) {
-      if (body.at(part).list().empty()) continue;
-      fail(body.at(part).list().front(), fmt::format("fem.solver = \"{}\" does not know it", solver),
-           "remove it, or set fem.solver = \"explicit\"");
+    if (kind == fem::Solver::newmark) continue;
+    const auto refuse_damping = [&](const Value& table, std::initializer_list<const char*> keys) {
+      for (const char* key : keys) {
+        if (table.has(key) && table.at(key).real() > 0)
+          fail(table.at(key), fmt::format("fem.solver = \"{}\" knows no damping", solver), "remove it");
+      }
+    };
+    refuse_damping(body, {"damping", "stiffness_damping"});
+    for (const auto& material : body.at("material").list())
+      refuse_damping(material, {"shear_viscosity", "bulk_viscosity"});
+    if (!body.at("absorbing").list().empty())
+      fail(body.at("absorbing").list().front(), fmt::format("fem.solver = \"{}\" knows no waves", solver), "remove it");
+    if (kind != fem::Solver::modal) continue;
+    for (const char* part : {"load", "motion"}) {
+      if (!body.at(part).list().empty())
+        fail(body.at(part).list().front(), fmt::format("free vibrations have no {}s", part), "remove it");
     }
-    for (const auto& material : body.at("material").list()) {
-      if (material.at("law").text() == "linear_elastic") continue;
-      fail(material.at("law"), fmt::format("fem.solver = \"{}\" goes with linear_elastic only", solver),
-           "choose that law, or set fem.solver = \"explicit\"");
-    }
-    if (kind == fem::Solver::modal && !body.at("load").list().empty())
-      fail(body.at("load").list().front(), "free vibrations have no loads", "remove it");
   }
   if (kind == fem::Solver::modal && !root.rows("stage").empty())
     fail(root.rows("stage").front(), "fem.solver = \"modal\" goes through no time", "remove the stages");

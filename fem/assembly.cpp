@@ -33,13 +33,15 @@ Assembly::Assembly(const Setup& setup, const std::vector<Mesh>& meshes, const La
         if (part.elements.empty()) continue;
         part.block = ElementBlock::make({body.element, body.materials[region], places, connectivity});
         viscous_ = viscous_ || part.block->viscous();
+        keeps_history_ = keeps_history_ || part.block->keeps_history();
         (border ? border_ : interior_).push_back(std::move(part));
       }
     }
   }
-  int any = viscous_;
-  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm_);
-  viscous_ = any != 0;
+  int any[] = {viscous_, keeps_history_};
+  MPI_Allreduce(MPI_IN_PLACE, any, 2, MPI_INT, MPI_MAX, comm_);
+  viscous_ = any[0] != 0;
+  keeps_history_ = any[1] != 0;
 }
 
 template <class Parts, class Work>
@@ -54,9 +56,11 @@ void Assembly::overlapped(Parts& interior, Parts& border, const std::vector<Noda
   forces.end_add_from_ghosts();
 }
 
-void Assembly::inner_forces(NodalField& displacements, NodalField& forces) const {
-  overlapped(interior_, border_, {&displacements}, forces, [&](const ElementBlock& block, int first, int last) {
-    block.add_inner_forces(displacements.data(), forces.data(), first, last);
+void Assembly::inner_forces(NodalField& displacements, NodalField* velocities, NodalField& forces) const {
+  std::vector<NodalField*> motion{&displacements};
+  if (viscous_ && velocities) motion.push_back(velocities);
+  overlapped(interior_, border_, motion, forces, [&](const ElementBlock& block, int first, int last) {
+    block.add_inner_forces(displacements.data(), velocities ? velocities->data() : nullptr, forces.data(), first, last);
   });
 }
 
@@ -75,6 +79,14 @@ Losses Assembly::advance(NodalField& displacements, NodalField& velocities, Noda
     block.advance(displacements.data(), velocities.data(), forces.data(), losses, first, last);
   });
   return losses;
+}
+
+std::vector<Assembly::BlockOfBody> Assembly::blocks() const {
+  std::vector<BlockOfBody> all;
+  for (const auto* parts : {&interior_, &border_}) {
+    for (const auto& part : *parts) all.push_back({part.body, part.block.get()});
+  }
+  return all;
 }
 
 void Assembly::lumped_mass(NodalField& mass) const {

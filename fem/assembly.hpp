@@ -15,8 +15,9 @@ class Assembly {
  public:
   Assembly(const Setup&, const std::vector<Mesh>&, const Layout&);
 
-  /// Inner forces [N] of displacements [m] whose begin_to_ghosts() has been called. Collective.
-  void inner_forces(NodalField& displacements, NodalField& forces) const;
+  /// Inner forces [N] of displacements [m] and velocities [m/s] (null: at rest; read if viscous()), whose
+  /// begin_to_ghosts() has been called. What laws remember stays as it is. Collective.
+  void inner_forces(NodalField& displacements, NodalField* velocities, NodalField& forces) const;
   /// The same for small motions about the start: K u + C v. begin_to_ghosts() of both has been called. Collective.
   void linear_forces(NodalField& displacements, NodalField& velocities, NodalField& forces) const;
   /// Inner forces of the moving bodies; laws remember this state. The velocities are those of the middle of the step
@@ -24,6 +25,12 @@ class Assembly {
   /// Returns this rank's losses. Collective.
   Losses advance(NodalField& displacements, NodalField& velocities, NodalField& forces);
   bool viscous() const { return viscous_; }
+  bool keeps_history() const { return keeps_history_; }
+  struct BlockOfBody {
+    int body;
+    const ElementBlock* block;
+  };
+  std::vector<BlockOfBody> blocks() const;
   /// Lumped mass [kg], the same in the three components. Collective.
   void lumped_mass(NodalField& mass) const;
   /// Mean stress of this rank's elements of a body, in the order of `elements_of`; velocities may be null. Ghosts must
@@ -56,8 +63,8 @@ class Assembly {
                          Work&& work);
 
   MPI_Comm comm_;
-  bool viscous_ = false;                 // on any rank
-  std::vector<Part> interior_, border_;  // border_: touching ghosts
+  bool viscous_ = false, keeps_history_ = false;  // on any rank
+  std::vector<Part> interior_, border_;           // border_: touching ghosts
 };
 
 }  // namespace fem

@@ -51,6 +51,10 @@ class Block final : public ElementBlock {
     }
   }
 
+  std::unique_ptr<ElementBlock> detached(int first, int last) const override {
+    return std::unique_ptr<ElementBlock>(new Block(*this, first, last));
+  }
+
   void stresses(const double* displacements, std::vector<std::array<double, 6>>& result) const override {
     stresses(displacements, nullptr, result);
   }
@@ -115,6 +119,31 @@ class Block final : public ElementBlock {
  private:
   static constexpr int history_size = Element::points * Law::history;
 
+  Block(const Block& whole, int first, int last) : law_data_(whole.law_data_), spring_data_(whole.spring_data_) {
+    lanes_ = whole.lanes_;
+    kernel_ = whole.kernel_;
+    linear_kernel_ = whole.linear_kernel_;
+    law_ = &law_data_;
+    linear_law_ = &spring_data_;
+    viscous_ = whole.viscous_;
+    keeps_history_ = whole.keeps_history_;
+    has_simple_energy_ = whole.has_simple_energy_;
+    density_ = whole.density_;
+    element_nodes_ = Element::nodes;
+    batches_ = last - first;
+    elements_ = std::min(whole.elements_ - first * lanes_, batches_ * lanes_);
+    const auto part = [&](const auto& column, int size) {
+      const auto* start = column.data() + static_cast<std::ptrdiff_t>(first) * lanes_ * size;
+      return std::decay_t<decltype(column)>(start, start + static_cast<std::ptrdiff_t>(batches_) * lanes_ * size);
+    };
+    geometry_ = part(whole.geometry_, Element::geometry_size);
+    history_ = part(whole.history_, history_size);
+    nodes_.resize(static_cast<std::size_t>(batches_) * lanes_ * Element::nodes);
+    for (int e = 0; e < batches_ * lanes_; ++e) {
+      for (int a = 0; a < Element::nodes; ++a) nodes_[at(e, a, Element::nodes)] = e * Element::nodes + a;
+    }
+  }
+
   std::size_t at(int e, int i, int size) const {
     return (static_cast<std::size_t>(e / lanes_) * size + i) * lanes_ + e % lanes_;
   }
@@ -128,7 +157,7 @@ class Block final : public ElementBlock {
   struct Single {
     Single(const Block& block, int e, const double* displacements, const double* velocities) {
       for (int a = 0; a < Element::nodes; ++a) {
-        const std::size_t node = block.nodes_[block.at(e, a, Element::nodes)];
+        const std::size_t node = block.node(e, a);
         for (int c = 0; c < 3; ++c) u[a][c] = displacements[3 * node + c];
         for (int c = 0; c < 3; ++c) v[a][c] = velocities ? velocities[3 * node + c] : 0;
       }
@@ -244,9 +273,10 @@ void check_material(const MaterialRegion& material, const std::string& head) {
   with_law(material, [&]<class Law>(int, std::type_identity<Law>) { Law::check(material, head); });
 }
 
-void ElementBlock::add_inner_forces(const double* displacements, double* forces, int first, int last) const {
-  kernel_({nodes_.data(), geometry_.data(), law_, displacements, nullptr, forces, history_.data(), nullptr, nullptr,
-           elements_, batches_, first, last});
+void ElementBlock::add_inner_forces(const double* displacements, const double* velocities, double* forces, int first,
+                                    int last) const {
+  kernel_({nodes_.data(), geometry_.data(), law_, displacements, viscous_ ? velocities : nullptr, forces,
+           history_.data(), nullptr, nullptr, elements_, batches_, first, last});
 }
 
 void ElementBlock::add_linear_forces(const double* displacements, const double* velocities, double* forces, int first,
@@ -267,8 +297,7 @@ void ElementBlock::advance(const double* displacements, const double* velocities
 void ElementBlock::add_lumped_mass(double* nodal_mass) const {
   for (int e = 0; e < elements_; ++e) {
     for (int a = 0; a < element_nodes_; ++a) {
-      const int node = nodes_[(static_cast<std::size_t>(e / lanes_) * element_nodes_ + a) * lanes_ + e % lanes_];
-      nodal_mass[node] += density_ * node_volume_[static_cast<std::size_t>(e) * element_nodes_ + a];
+      nodal_mass[node(e, a)] += density_ * node_volume_[static_cast<std::size_t>(e) * element_nodes_ + a];
     }
   }
 }

@@ -35,9 +35,19 @@ class ElementBlock {
 
   int elements() const { return elements_; }
   int batches() const { return batches_; }
-  /// Adds the inner forces [N] of the batches [first, last) at the displacements [m] of the local nodes, at rest. What
-  /// the law remembers stays as it is.
-  void add_inner_forces(const double* displacements, double* forces, int first, int last) const;
+  int element_nodes() const { return element_nodes_; }
+  /// Local number of node a of an element.
+  int node(int element, int a) const {
+    return nodes_[(static_cast<std::size_t>(element / lanes_) * element_nodes_ + a) * lanes_ + element % lanes_];
+  }
+  /// The elements of the batches [first, last) with what they remember, numbered so that none shares a node with
+  /// another: node a of element e has the number e element_nodes() + a.
+  virtual std::unique_ptr<ElementBlock> detached(int first, int last) const = 0;
+  int lanes() const { return lanes_; }  // elements of a batch
+  /// Adds the inner forces [N] of the batches [first, last) at the displacements [m] and velocities [m/s] (null: at
+  /// rest) of the local nodes. What the law remembers stays as it is.
+  void add_inner_forces(const double* displacements, const double* velocities, double* forces, int first,
+                        int last) const;
   /// The same for small motions about the start: K u + C v. Velocities may be null.
   void add_linear_forces(const double* displacements, const double* velocities, double* forces, int first,
                          int last) const;

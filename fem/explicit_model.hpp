@@ -18,6 +18,7 @@
 #include "fem/assembly.hpp"
 #include "fem/fem.hpp"
 #include "fem/modes.hpp"
+#include "fem/newton.hpp"
 #include "fem/output.hpp"
 #include "fem/recovery.hpp"
 
@@ -68,10 +69,6 @@ class ExplicitModel : public Model {
     int motion, body;
     double reaction = 0;  // [N] that moves it, as of the last forces
   };
-  struct Dashpot {  // of an absorbing boundary; owned node
-    int node;
-    double drag[3][3];  // [N s/m]
-  };
   struct BodyState {
     double damping = 0;  // [1/s]
     bool held = false;
@@ -114,8 +111,8 @@ class ExplicitModel : public Model {
   std::vector<NodalLoad> loads_;
   std::vector<PrescribedMotion> motions_;
   std::vector<Driven> driven_;
-  std::vector<Dashpot> dashpots_;
-  std::vector<int> dashpot_of_;  // per owned node, -1: none; empty: no boundary absorbs
+  std::vector<Dashpot> dashpots_;  // of absorbing boundaries
+  std::vector<int> dashpot_of_;    // per owned node, -1: none; empty: no boundary absorbs
   std::vector<base::Skin> skins_;
   std::vector<Contact> contacts_;
   std::vector<BodyCounts> counts_;

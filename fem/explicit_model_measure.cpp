@@ -185,7 +185,7 @@ void ExplicitModel::write(const std::string& directory, double time) {
 
 std::vector<BodyModes> ExplicitModel::find_modes(int count) {
   const Matrix stiffness = tangent_->make();
-  tangent_->assemble(stiffness, displacement_);
+  tangent_->assemble(stiffness);
   const ModesInput input{setup_, meshes_, layout_, stiffness, {mass_.data(), inverse_mass_.size()}, inverse_mass_};
   std::vector<BodyModes> result;
   for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {

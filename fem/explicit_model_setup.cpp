@@ -27,12 +27,17 @@ std::vector<Mesh> read_meshes(MPI_Comm comm, const Setup& setup) {
   return meshes;
 }
 
-/// Per node of a body: which components its supports hold.
+/// Per node of a body: which components its supports hold or its motions lead.
 std::vector<std::array<bool, 3>> held_components(const Mesh& mesh, const Body& body) {
   std::vector<std::array<bool, 3>> held(mesh.nodes.size(), {false, false, false});
   for (const auto& support : body.supports) {
     for (const int node : find_group(mesh, body, support.origin, "support.group", support.group).nodes) {
       for (int c = 0; c < 3; ++c) held[node][c] = held[node][c] || support.fixed[c];
+    }
+  }
+  for (const auto& motion : body.motions) {
+    for (const int node : find_group(mesh, body, motion.origin, "motion.group", motion.group).nodes) {
+      for (int c = 0; c < 3; ++c) held[node][c] = held[node][c] || motion.along[c];
     }
   }
   return held;
@@ -69,9 +74,8 @@ std::map<int, Vec3> nodal_forces(const Mesh& mesh, const Body& body, const Load&
   return forces;
 }
 
-/// Stiffness-proportional damping is viscosity in proportion to the moduli; implicit solvers take the matrix instead.
+/// Stiffness-proportional damping is viscosity in proportion to the moduli.
 Setup with_stiffness_damping(Setup setup) {
-  if (setup.solver.kind != Solver::explicit_steps) return setup;
   for (auto& body : setup.bodies) {
     if (body.stiffness_damping == 0) continue;
     for (auto& material : body.materials) {
@@ -118,6 +122,7 @@ ExplicitModel::ExplicitModel(MPI_Comm comm, const Setup& setup)
   }
   if (setup_.solver.start_in_equilibrium) start_in_equilibrium();
   start_accelerations();
+  reset_energy();
 }
 
 /// What the chosen solver needs of the meshes' elements, which are dropped afterwards.
@@ -127,7 +132,7 @@ void ExplicitModel::prepare_solver() {
   if (solver.kind == Solver::explicit_steps || conditional)
     stable_step_ = find_stable_step(setup_, meshes_, layout_, assembly_, inverse_mass_);
   if (solver.kind == Solver::explicit_steps && !solver.start_in_equilibrium) return;
-  tangent_ = std::make_unique<Tangent>(setup_, meshes_, layout_, inverse_mass_);
+  tangent_ = std::make_unique<Tangent>(meshes_, layout_, assembly_, inverse_mass_);
   for (std::size_t b = 0; b < meshes_.size(); ++b)
     mechanisms_.push_back(find_mechanisms(meshes_[b], held_components(meshes_[b], setup_.bodies[b])));
   if (solver.kind == Solver::statics || solver.start_in_equilibrium) refuse_mechanisms();
@@ -166,8 +171,7 @@ void ExplicitModel::start_in_equilibrium() {
   std::vector<double> given = weights();
   for (std::size_t i = 0; i < given.size(); ++i) given[i] += external_[i];
   Newton(setup_.solver, layout_, assembly_, *tangent_, inverse_mass_)
-      .solve(displacement_, inner_, {{}, given}, "at the start: ");
-  reset_energy();
+      .solve(displacement_, inner_, {{}, given, {}}, "at the start: ");
 }
 
 void ExplicitModel::apply_supports() {

@@ -16,19 +16,8 @@ ImplicitModel::ImplicitModel(MPI_Comm comm, const Setup& setup)
       weight_(weights()),
       balanced_(external_.size(), 0.0),
       weight_balanced_(external_.size(), 0.0) {
-  if (is_static()) {
-    std::fill_n(acceleration_.data(), acceleration_.owned_size(), 0.0);
-  } else {
-    make_damping();
-  }
-}
-
-void ImplicitModel::make_damping() {
-  std::vector<double> factors;
-  for (const auto& body : setup_.bodies) factors.push_back(body.stiffness_damping);
-  if (std::ranges::all_of(factors, [](double factor) { return factor == 0; })) return;
-  damping_ = tangent_->make();
-  tangent_->assemble(damping_, displacement_, factors);
+  if (is_static()) std::fill_n(acceleration_.data(), acceleration_.owned_size(), 0.0);
+  if (assembly_.viscous() && !is_static()) viscous_.assign(external_.size(), 0.0);
 }
 
 StableStep ImplicitModel::stable_step() const {
@@ -50,24 +39,30 @@ void ImplicitModel::set_damping(const std::string& body, double alpha) {
 
 std::vector<double> ImplicitModel::damping_forces() const {
   std::vector<double> forces(external_.size(), 0.0);
+  if (is_static()) return forces;
   const double *v = velocity_.data(), *m = mass_.data();
-  if (damping_) {
-    Vector velocity, product;
-    check_petsc(MatCreateVecs(damping_, velocity.place(), product.place()));
-    double* values = nullptr;
-    check_petsc(VecGetArray(velocity, &values));
-    std::copy_n(v, forces.size(), values);
-    check_petsc(VecRestoreArray(velocity, &values));
-    check_petsc(MatMult(damping_, velocity, product));
-    check_petsc(VecGetArray(product, &values));
-    std::copy_n(values, forces.size(), forces.begin());
-    check_petsc(VecRestoreArray(product, &values));
-  }
   for (std::size_t b = 0; b < states_.size(); ++b) {
     for (int i = 3 * layout_.first_owned[b]; i < 3 * layout_.first_owned[b + 1]; ++i)
-      forces[i] += states_[b].damping * m[i] * v[i];
+      forces[i] = states_[b].damping * m[i] * v[i];
+  }
+  for (const auto& dashpot : dashpots_) {
+    const int first = 3 * dashpot.node;
+    for (int c = 0; c < 3; ++c) {
+      for (int d = 0; d < 3; ++d) forces[first + c] += dashpot.drag[c][d] * v[first + d];
+    }
   }
   return forces;
+}
+
+ImplicitModel::Step ImplicitModel::begin() const {
+  Step step{{displacement_.data(), displacement_.data() + external_.size()},
+            is_static() ? balanced_ : external_,
+            is_static() ? weight_balanced_ : weight_,
+            damping_forces(),
+            viscous_,
+            {}};
+  for (const auto& driven : driven_) step.reactions.push_back(driven.reaction);
+  return step;
 }
 
 /// Displacements, velocities go to what they would be if the acceleration did not change.
@@ -80,23 +75,47 @@ void ImplicitModel::guess(double dt) {
   }
 }
 
+/// Driven components go where their history says.
+void ImplicitModel::drive(double dt, const Step& before) {
+  for (const auto& driven : driven_) {
+    const auto& motion = motions_[driven.motion];
+    const bool place = motion.kind == PrescribedMotion::Kind::displacement;
+    displacement_.data()[driven.index] =
+        place ? motion.history->value(time_)
+              : before.displacements[driven.index] + dt * motion.history->value(time_ - 0.5 * dt);
+    if (is_static()) continue;
+    const double ahead = motion.history->value(time_ + (place ? dt : 0.5 * dt)), now = motion.history->value(time_),
+                 behind = motion.history->value(time_ - (place ? dt : 0.5 * dt));
+    velocity_.data()[driven.index] = place ? (ahead - behind) / (2 * dt) : 0.5 * (ahead + behind);
+    acceleration_.data()[driven.index] = place ? (ahead - 2 * now + behind) / (dt * dt) : (ahead - behind) / dt;
+  }
+}
+
+/// The forces that drive the driven components.
+void ImplicitModel::react() {
+  const auto damping = damping_forces();
+  for (auto& driven : driven_) {
+    const int i = driven.index;
+    driven.reaction = inner_.data()[i] - external_[i] + damping[i];
+    if (!is_static()) driven.reaction += mass_.data()[i] * acceleration_.data()[i];
+  }
+}
+
 void ImplicitModel::correct(double dt) {
   const bool moves = !is_static();
-  const double beta = setup_.solver.beta, gamma = setup_.solver.gamma;
+  const double beta = setup_.solver.beta, gamma = setup_.solver.gamma, rate = moves ? gamma / (beta * dt) : 0;
   const std::size_t size = external_.size();
   if (moves && dt != step_) newton_.forget();
   step_ = dt;
   time_ += dt;
   ++steps_;
-  const Step before{{displacement_.data(), displacement_.data() + size},
-                    moves ? external_ : balanced_,
-                    moves ? weight_ : weight_balanced_,
-                    moves ? damping_forces() : std::vector<double>(size, 0.0)};
+  const Step before = begin();
   gather_external_forces(time_);
   std::vector<double> given(external_), diagonal;
   for (std::size_t i = 0; i < size; ++i) given[i] += weight_[i];
+  if (moves) guess(dt);
+  drive(dt, before);
   if (moves) {
-    guess(dt);
     const auto damping = damping_forces();
     diagonal.resize(size);
     for (std::size_t b = 0; b < states_.size(); ++b) {
@@ -108,28 +127,47 @@ void ImplicitModel::correct(double dt) {
     }
   }
   const std::vector<double> guessed(displacement_.data(), displacement_.data() + size);
-  newton_.solve(displacement_, inner_, {diagonal, given, damping_, gamma / (beta * dt)},
+  newton_.solve(displacement_, inner_, {diagonal, given, dashpots_, moves ? &velocity_ : nullptr, rate},
                 fmt::format("t = {:.6g} s (step {}): ", time_, steps_));
   if (moves) {
-    for (std::size_t i = 0; i < size; ++i) {
-      const double w = displacement_.data()[i] - guessed[i];
-      velocity_.data()[i] += gamma / (beta * dt) * w;
-      acceleration_.data()[i] += w / (beta * dt * dt);
-    }
+    for (std::size_t i = 0; i < size; ++i)
+      acceleration_.data()[i] += (displacement_.data()[i] - guessed[i]) / (beta * dt * dt);
   }
+  remember();
+  react();
   balanced_ = external_;
   weight_balanced_ = weight_;
   book_work(before);
 }
 
+/// What laws remember, and the viscous part of the forces, of the state that a step has come to.
+void ImplicitModel::remember() {
+  if (assembly_.keeps_history()) {
+    displacement_.begin_to_ghosts();
+    if (assembly_.viscous()) velocity_.begin_to_ghosts();
+    ledger_.loss_plastic += assembly_.advance(displacement_, velocity_, inner_).plastic_work;
+  }
+  if (viscous_.empty()) return;
+  NodalField elastic(layout_);
+  displacement_.begin_to_ghosts();
+  assembly_.inner_forces(displacement_, nullptr, elastic);
+  for (std::size_t i = 0; i < viscous_.size(); ++i) viscous_[i] = inner_.data()[i] - elastic.data()[i];
+}
+
 /// Work of a force over a step: the mean of its two ends times the way.
 void ImplicitModel::book_work(const Step& before) {
-  const auto damping = is_static() ? before.damping : damping_forces();
+  const auto damping = damping_forces();
   for (std::size_t i = 0; i < external_.size(); ++i) {
     const double half_way = 0.5 * (displacement_.data()[i] - before.displacements[i]);
     ledger_.work_loads += half_way * (before.loads[i] + external_[i]);
     ledger_.loss_damping += half_way * (before.damping[i] + damping[i]);
+    if (!viscous_.empty()) ledger_.loss_viscous += half_way * (before.viscous[i] + viscous_[i]);
     work_gravity_ += half_way * (before.weight[i] + weight_[i]);
+  }
+  for (std::size_t k = 0; k < driven_.size(); ++k) {
+    const int i = driven_[k].index;
+    const double half_way = 0.5 * (displacement_.data()[i] - before.displacements[i]);
+    ledger_.work_loads += half_way * (before.reactions[k] + driven_[k].reaction);
   }
 }
 

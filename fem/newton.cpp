@@ -35,7 +35,7 @@ Newton::Newton(const SolverSettings& settings, const Layout& layout, const Assem
       tangent_(tangent),
       inverse_mass_(inverse_mass),
       matrix_(tangent.make()) {
-  for (Vector* vector : {&unknowns_, &residual_, &diagonal_, &change_, &damping_})
+  for (Vector* vector : {&unknowns_, &residual_, &diagonal_, &added_})
     check_petsc(MatCreateVecs(matrix_, vector->place(), nullptr));
   check_petsc(SNESCreate(layout.comm, solver_.place()));
   check_petsc(SNESSetType(solver_, SNESNEWTONLS));
@@ -82,43 +82,62 @@ void Newton::residual(Vec x, Vec r) {
   check_petsc(VecGetArrayRead(x, &values));
   std::copy_n(values, displacements_->owned_size(), displacements_->data());
   check_petsc(VecRestoreArrayRead(x, &values));
+  const double* u = displacements_->data();
   displacements_->begin_to_ghosts();
-  assembly_.inner_forces(*displacements_, *inner_);
-  const double *u = displacements_->data(), *f = inner_->data(), *damping = nullptr;
-  if (terms_.damping) {
-    double* change = nullptr;
-    check_petsc(VecGetArray(change_, &change));
-    for (std::size_t i = 0; i < guess_.size(); ++i) change[i] = u[i] - guess_[i];
-    check_petsc(VecRestoreArray(change_, &change));
-    check_petsc(MatMult(terms_.damping, change_, damping_));
-    check_petsc(VecGetArrayRead(damping_, &damping));
+  if (terms_.velocities) {
+    for (std::size_t i = 0; i < guess_.size(); ++i)
+      terms_.velocities->data()[i] = guessed_velocity_[i] + terms_.rate * (u[i] - guess_[i]);
+    if (assembly_.viscous()) terms_.velocities->begin_to_ghosts();
   }
+  assembly_.inner_forces(*displacements_, terms_.velocities, *inner_);
+  const double* f = inner_->data();
   double* result = nullptr;
   check_petsc(VecGetArray(r, &result));
   for (std::size_t i = 0; i < guess_.size(); ++i) {
-    result[i] = 0;
-    if (inverse_mass_[i] == 0) continue;
     result[i] = f[i] - terms_.given[i];
     if (!terms_.diagonal.empty()) result[i] += terms_.diagonal[i] * (u[i] - guess_[i]);
-    if (damping) result[i] += terms_.damping_factor * damping[i];
+  }
+  for (const auto& dashpot : terms_.dashpots) {
+    const int first = 3 * dashpot.node;
+    for (int c = 0; c < 3; ++c) {
+      for (int d = 0; d < 3; ++d)
+        result[first + c] += terms_.rate * dashpot.drag[c][d] * (u[first + d] - guess_[first + d]);
+    }
+  }
+  for (std::size_t i = 0; i < guess_.size(); ++i) {
+    if (inverse_mass_[i] == 0) result[i] = 0;
   }
   check_petsc(VecRestoreArray(r, &result));
-  if (damping) check_petsc(VecRestoreArrayRead(damping_, &damping));
 }
 
 void Newton::rebuild() {
   if (built_ && tangent_.is_linear()) return;
-  tangent_.assemble(matrix_, *displacements_);
+  tangent_.assemble(matrix_,
+                    {displacements_->data(), terms_.velocities ? terms_.velocities->data() : nullptr, terms_.rate});
   check_petsc(MatGetDiagonal(matrix_, diagonal_));
-  if (terms_.damping) check_petsc(MatAXPY(matrix_, terms_.damping_factor, terms_.damping, SAME_NONZERO_PATTERN));
   if (!terms_.diagonal.empty()) {
     double* values = nullptr;
-    check_petsc(VecGetArray(change_, &values));
+    check_petsc(VecGetArray(added_, &values));
     for (std::size_t i = 0; i < guess_.size(); ++i) values[i] = inverse_mass_[i] > 0 ? terms_.diagonal[i] : 0;
-    check_petsc(VecRestoreArray(change_, &values));
-    check_petsc(MatDiagonalSet(matrix_, change_, ADD_VALUES));
+    check_petsc(VecRestoreArray(added_, &values));
+    check_petsc(MatDiagonalSet(matrix_, added_, ADD_VALUES));
   }
+  if (!terms_.dashpots.empty()) add_dashpots();
   built_ = true;
+}
+
+void Newton::add_dashpots() {
+  for (const auto& dashpot : terms_.dashpots) {
+    const PetscInt first = 3 * layout_.petsc_of_global[layout_.global_of_local[dashpot.node]];
+    for (int c = 0; c < 3; ++c) {
+      for (int d = 0; d < 3; ++d) {
+        if (inverse_mass_[3 * dashpot.node + c] == 0 || inverse_mass_[3 * dashpot.node + d] == 0) continue;
+        check_petsc(MatSetValue(matrix_, first + c, first + d, terms_.rate * dashpot.drag[c][d], ADD_VALUES));
+      }
+    }
+  }
+  check_petsc(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY));
+  check_petsc(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY));
 }
 
 void Newton::converged(int iteration, double residual, SNESConvergedReason* reason) {
@@ -148,6 +167,8 @@ void Newton::solve(NodalField& displacements, NodalField& inner, const Terms& te
   inner_ = &inner;
   terms_ = terms;
   guess_.assign(displacements.data(), displacements.data() + displacements.owned_size());
+  if (terms.velocities)
+    guessed_velocity_.assign(terms.velocities->data(), terms.velocities->data() + terms.velocities->owned_size());
   double* values = nullptr;
   check_petsc(VecGetArray(unknowns_, &values));
   std::ranges::copy(guess_, values);
@@ -167,8 +188,10 @@ void Newton::solve(NodalField& displacements, NodalField& inner, const Terms& te
   SNESGetFunctionNorm(solver_, &norm);
   std::string why = "the residual stays";
   if (reason == SNES_DIVERGED_LINEAR_SOLVE) why = "the linear system is singular or was not solved";
-  throw base::UnstableError(fmt::format("{}no equilibrium found: {} after {} Newton iterations (residual {:.3g} N)",
-                                        head, why, iterations, norm));
+  throw base::UnstableError(fmt::format(
+      "{}no equilibrium found: {} after {} Newton iterations (residual {:.3g} N); where laws yield, shorten "
+      "time.fem_step, or the loads are more than the bodies can carry",
+      head, why, iterations, norm));
 }
 
 }  // namespace fem

@@ -1,7 +1,7 @@
 #pragma once
 // Newton-Raphson for the equations that an implicit step, or an equilibrium, comes to, from a guess u0:
-//   R(u) = f(u) + d (u - u0) + c D (u - u0) - b = 0
-// f inner forces, d a diagonal (inertia and mass damping), c D stiffness damping, b what is given. Held components keep
+//   R(u) = f(u, v) + d (u - u0) + c D (u - u0) - b = 0,  v = v0 + c (u - u0)
+// f inner forces, d a diagonal (inertia and mass damping), D dashpots at nodes, b what is given. Held components keep
 // their displacement. PETSc's SNES iterates, KSP solves: a factorisation (MUMPS), or for large models conjugate
 // gradients with algebraic multigrid that knows the rigid motions (GMRES where the tangent has no symmetry).
 // Converged: |R| <= 1e-10 max(|f|, |b|), or the rounding of f, 1e-15 |diag(K) u|. The tangent is made once for a step
@@ -15,25 +15,33 @@
 
 namespace fem {
 
+struct Dashpot {  // at an owned node
+  int node;
+  double drag[3][3];  // [N s/m]
+};
+
 class Newton {
  public:
   Newton(const SolverSettings&, const Layout&, const Assembly&, const Tangent&, std::span<const double> inverse_mass);
 
-  struct Terms {                       // of the owned components
-    std::span<const double> diagonal;  // [N/m] d; empty: none
-    std::span<const double> given;     // [N] b
-    Mat damping = nullptr;             // [N s/m] D
-    double damping_factor = 0;         // [1/s] c
+  struct Terms {                        // of the owned components
+    std::span<const double> diagonal;   // [N/m] d; empty: none
+    std::span<const double> given;      // [N] b
+    std::span<const Dashpot> dashpots;  // D
+    NodalField* velocities = nullptr;   // [m/s] come as v0 and go as v; null: at rest
+    double rate = 0;                    // [1/s] c
   };
   /// From here on d and c are others than before.
   void forget() { built_ = false; }
-  /// Displacements come as the guess and go as the solution, `inner` goes as their inner forces. Collective; throws
-  /// base::UnstableError on every rank, opened by `head`, when no solution is found.
+  /// Displacements come as the guess and go as the solution, `inner` goes as their inner forces; the ghosts of the
+  /// displacements are up to date. Collective; throws base::UnstableError on every rank, opened by `head`, when no
+  /// solution is found.
   void solve(NodalField& displacements, NodalField& inner, const Terms&, const std::string& head);
 
  private:
   void residual(Vec x, Vec r);
   void rebuild();
+  void add_dashpots();
   void converged(int iteration, double residual, SNESConvergedReason*);
   bool factorises() const;
 
@@ -49,8 +57,8 @@ class Newton {
   // of the call under way
   NodalField *displacements_ = nullptr, *inner_ = nullptr;
   Terms terms_;
-  std::vector<double> guess_;
-  Vector change_, damping_;  // u - u0, D (u - u0)
+  std::vector<double> guess_, guessed_velocity_;
+  Vector added_;  // to the diagonal
 };
 
 }  // namespace fem

@@ -59,7 +59,7 @@ std::vector<char> held_components(const Layout& layout, std::span<const double> 
 
 }  // namespace
 
-Tangent::Tangent(const Setup& setup, const std::vector<Mesh>& meshes, const Layout& layout,
+Tangent::Tangent(const std::vector<Mesh>& meshes, const Layout& layout, const Assembly& assembly,
                  std::span<const double> inverse_mass)
     : layout_(layout), held_(held_components(layout, inverse_mass)) {
   auto neighbours = count_neighbours(meshes, layout);
@@ -67,25 +67,15 @@ Tangent::Tangent(const Setup& setup, const std::vector<Mesh>& meshes, const Layo
   far_nodes_ = std::move(neighbours.far);
   places_.resize(layout.local_count());
   for (std::size_t b = 0; b < meshes.size(); ++b) {
-    const Mesh& mesh = meshes[b];
-    const Body& body = setup.bodies[b];
     for (int i = 0; i < layout.local_count(); ++i) {
       const int own = layout.global_of_local[i] - layout.first_node[b];
-      if (own >= 0 && own < static_cast<int>(mesh.nodes.size())) places_[i] = mesh.nodes[own];
-    }
-    for (std::size_t region = 0; region < body.materials.size(); ++region) {
-      Part part{static_cast<int>(b), mesh.element_nodes, body.element, &body.materials[region], {}, true, 0};
-      for (const int e : layout.elements[b]) {
-        if (mesh.regions[e] != static_cast<int>(region)) continue;
-        for (int a = 0; a < mesh.element_nodes; ++a)
-          part.connectivity.push_back(layout.local_of_global[layout.first_node[b] + mesh.element(e)[a]]);
-      }
-      if (!part.connectivity.empty()) parts_.push_back(std::move(part));
+      if (own >= 0 && own < static_cast<int>(meshes[b].nodes.size())) places_[i] = meshes[b].nodes[own];
     }
   }
-  for (auto& part : parts_) {
-    part.size = base::norm(places_[part.connectivity[1]] - places_[part.connectivity[0]]);
+  for (const auto& [body, block] : assembly.blocks()) {
+    Part part{block, true, base::norm(places_[block->node(0, 1)] - places_[block->node(0, 0)])};
     part.linear = responds_linearly(part);
+    parts_.push_back(part);
   }
   double nonlinear = std::ranges::all_of(parts_, &Part::linear) ? 0 : 1;
   sum(layout.comm, &nonlinear, 1);
@@ -105,26 +95,13 @@ Matrix Tangent::make() const {
   return matrix;
 }
 
-/// The elements, numbered so that none shares a node with another.
-std::unique_ptr<ElementBlock> Tangent::separate_block(const Part& part, Elements elements) const {
-  std::vector<Vec3> places;
-  std::vector<int> connectivity;
-  for (int i = elements.first * part.element_nodes; i < elements.second * part.element_nodes; ++i) {
-    connectivity.push_back(static_cast<int>(places.size()));
-    places.push_back(places_[part.connectivity[i]]);
-  }
-  return ElementBlock::make({part.element, *part.material, places, connectivity});
-}
-
-bool Tangent::responds_linearly(const Part& part) const {
-  const auto block = separate_block(part, {0, 1});
-  const int size = 3 * part.element_nodes;
-  std::vector<double> w(size);
-  for (int i = 0; i < size; ++i) w[i] = part.size * std::sin(1.0 + 7 * i);  // no symmetry, strains of order one
+bool Tangent::responds_linearly(const Part& part) {
+  const auto block = part.block->detached(0, 1);
+  const int size = 3 * block->element_nodes(), all = size * block->lanes();
   const auto forces = [&](double factor) {
-    std::vector<double> u(w), f(size, 0.0);
-    for (double& value : u) value *= factor;
-    block->add_inner_forces(u.data(), f.data(), 0, block->batches());
+    std::vector<double> u(all), f(all, 0.0);
+    for (int i = 0; i < all; ++i) u[i] = factor * part.size * std::sin(1.0 + 7 * (i % size));  // strains of order one
+    block->add_inner_forces(u.data(), nullptr, f.data(), 0, 1);
     return f;
   };
   const auto once = forces(1), twice = forces(2), back = forces(-1);
@@ -136,49 +113,59 @@ bool Tangent::responds_linearly(const Part& part) const {
   return difference <= 1e-12 * largest;
 }
 
-std::vector<double> Tangent::matrices(const Part& part, Elements elements, const double* displacements) const {
-  const int count = elements.second - elements.first, size = 3 * part.element_nodes;
-  const auto block = separate_block(part, elements);
-  std::vector<double> u(static_cast<std::size_t>(count) * size), f(u.size()), result(u.size() * size);
-  if (!part.linear) {
-    for (std::size_t i = 0; i < u.size(); ++i) {
-      const int node = part.connectivity[static_cast<std::size_t>(elements.first) * part.element_nodes + i / 3];
-      u[i] = displacements[3 * static_cast<std::size_t>(node) + i % 3];
+std::vector<double> Tangent::matrices(const Part& part, Batches batches, const State* state) const {
+  const auto block = part.block->detached(batches.first, batches.second);
+  const int n = block->element_nodes(), size = 3 * n, count = block->elements();
+  const auto all = static_cast<std::size_t>(block->batches()) * block->lanes() * size;
+  const bool at_start = state == nullptr || part.linear;
+  std::vector<double> u(all), v(all), f(all), result(static_cast<std::size_t>(count) * size * size);
+  if (!at_start) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count) * size; ++i) {
+      const int e = batches.first * block->lanes() + static_cast<int>(i) / size;
+      const std::size_t place = 3 * static_cast<std::size_t>(part.block->node(e, i / 3 % n)) + i % 3;
+      u[i] = state->displacements[place];
+      v[i] = state->velocities ? state->velocities[place] : 0;
     }
   }
-  const double h = part.linear ? 1 : 1e-7 * part.size;
+  const double h = at_start ? 1 : 1e-7 * part.size, rate = state && state->velocities ? state->rate : 0;
   const auto add_column = [&](int column, double step, double weight) {
-    for (int e = 0; e < count; ++e) u[static_cast<std::size_t>(e) * size + column] += step;
-    std::ranges::fill(f, 0.0);
-    block->add_inner_forces(u.data(), f.data(), 0, block->batches());
+    auto moved = u, moving = v;
     for (int e = 0; e < count; ++e) {
-      u[static_cast<std::size_t>(e) * size + column] -= step;
+      moved[static_cast<std::size_t>(e) * size + column] += step;
+      moving[static_cast<std::size_t>(e) * size + column] += rate * step;
+    }
+    std::ranges::fill(f, 0.0);
+    if (state == nullptr) {
+      block->add_linear_forces(moved.data(), nullptr, f.data(), 0, block->batches());
+    } else {
+      block->add_inner_forces(moved.data(), moving.data(), f.data(), 0, block->batches());
+    }
+    for (int e = 0; e < count; ++e) {
       for (int row = 0; row < size; ++row)
         result[(static_cast<std::size_t>(e) * size + column) * size + row] +=
             weight * f[static_cast<std::size_t>(e) * size + row];
     }
   };
   for (int column = 0; column < size; ++column) {
-    add_column(column, h, part.linear ? 1 : 0.5 / h);
-    if (!part.linear) add_column(column, -h, -0.5 / h);
+    add_column(column, h, at_start ? 1 : 0.5 / h);
+    if (!at_start) add_column(column, -h, -0.5 / h);
   }
   return result;
 }
 
-void Tangent::assemble(Mat matrix, const NodalField& displacements, std::span<const double> factors) const {
+void Tangent::assemble(Mat matrix, const State* state) const {
   check_petsc(MatZeroEntries(matrix));
   for (const auto& part : parts_) {
-    const int n = part.element_nodes, size = 3 * n, all = static_cast<int>(part.connectivity.size()) / n;
-    const double factor = factors.empty() ? 1 : factors[part.body];
-    for (int first = 0; first < all; first += elements_at_once) {
-      const int last = std::min(all, first + elements_at_once);
-      auto values = matrices(part, {first, last}, displacements.data());
-      for (double& value : values) value *= factor;
-      for (int e = first; e < last; ++e) {
-        std::vector<PetscInt> places(size);
-        const double* element = values.data() + static_cast<std::size_t>(e - first) * size * size;
+    const ElementBlock& block = *part.block;
+    const int n = block.element_nodes(), size = 3 * n, at_once = elements_at_once / block.lanes();
+    std::vector<PetscInt> places(size);
+    for (int first = 0; first < block.batches(); first += at_once) {
+      const int last = std::min(block.batches(), first + at_once), start = first * block.lanes();
+      const auto values = matrices(part, {first, last}, state);
+      for (int e = start; e < std::min(block.elements(), last * block.lanes()); ++e) {
+        const double* element = values.data() + static_cast<std::size_t>(e - start) * size * size;
         for (int i = 0; i < size; ++i) {
-          const int node = part.connectivity[static_cast<std::size_t>(e) * n + i / 3];
+          const int node = block.node(e, i / 3);
           const PetscInt place = 3 * layout_.petsc_of_global[layout_.global_of_local[node]] + i % 3;
           const bool held = held_[3 * static_cast<std::size_t>(node) + i % 3];
           places[i] = held ? -1 : place;  // PETSc leaves negative ones out

@@ -70,7 +70,7 @@ inline BlockMesh block_mesh(const std::string& element, const std::array<int, 3>
 /// Inner forces at rest.
 inline std::vector<double> forces_of(const fem::ElementBlock& block, const std::vector<double>& u) {
   std::vector<double> f(u.size(), 0.0);
-  block.add_inner_forces(u.data(), f.data(), 0, block.batches());
+  block.add_inner_forces(u.data(), nullptr, f.data(), 0, block.batches());
   return f;
 }
 

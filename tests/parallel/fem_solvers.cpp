@@ -54,8 +54,9 @@ void expect_same(const fem::Setup& setup, int steps, double dt, double tolerance
        alone->probe_group("ground", "top", Quantity::displacement));
   near(together->reaction("ground", "base"), alone->reaction("ground", "base"));
   const auto a = together->energy(), b = alone->energy();
-  for (auto term : {&base::Energy::kinetic, &base::Energy::strain, &base::Energy::work_loads,
-                    &base::Energy::work_gravity, &base::Energy::loss_damping})
+  for (auto term :
+       {&base::Energy::kinetic, &base::Energy::strain, &base::Energy::work_loads, &base::Energy::work_gravity,
+        &base::Energy::loss_damping, &base::Energy::loss_viscous, &base::Energy::loss_plastic})
     EXPECT_NEAR(a.*term, b.*term, tolerance * b.strain);
 }
 
@@ -69,6 +70,34 @@ TEST(FemSolvers, Newmark) {
   auto setup = two_bodies(fem::Solver::newmark);
   setup.bodies[0].stiffness_damping = 1e-5;
   expect_same(setup, 20, 5e-4, 1e-10);
+}
+
+/// Ground that yields, a beam whose end is led.
+fem::Setup yielding(fem::Solver kind) {
+  auto setup = two_bodies(kind);
+  auto& subgrade = setup.bodies[1].materials[1];
+  subgrade.law = "drucker_prager";
+  subgrade.cohesion = 15e3;
+  subgrade.friction_angle = 0.4;
+  setup.bodies[0].motions = {{"led",
+                              "x_max",
+                              fem::PrescribedMotion::Kind::displacement,
+                              {false, true, false},
+                              fem_test::history([](double t) { return 1e-4 * std::sin(300 * t); }),
+                              ""}};
+  return setup;
+}
+
+TEST(FemSolvers, StaticsThatYield) { expect_same(yielding(fem::Solver::statics), 3, 1e-3, 1e-7); }
+
+TEST(FemSolvers, NewmarkThatYieldsCreepsAndAbsorbs) {
+  auto setup = yielding(fem::Solver::newmark);
+  auto& ground = setup.bodies[1];
+  ground.materials[0].law = "kelvin_voigt";
+  ground.materials[0].shear_viscosity = ground.materials[0].bulk_viscosity = 1e4;
+  ground.supports.erase(ground.supports.begin());
+  ground.absorbing = {{"base", ""}};
+  expect_same(setup, 20, 5e-4, 1e-7);
 }
 
 TEST(FemSolvers, Modes) {

@@ -1,4 +1,5 @@
 // The table [fem]: what it reads, and what it refuses together with the rest of the scene.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "coupling/modal_run.hpp"
@@ -104,11 +105,13 @@ density = 2350
     std::string text = damped;
     return text.replace(text.find("KEY"), 3, key);
   };
-  EXPECT_EQ(error_of(while_ + with("stiffness_damping")),
-            "a.toml:7: body.beam.stiffness_damping = 0.001; only fem.solver = \"newmark\" has it: it would shorten "
-            "explicit steps; remove it, or set fem.solver = \"newmark\"");
-  EXPECT_EQ(error_of(solver("solver = \"static\"") + while_ + with("damping")),
-            "a.toml:9: body.beam.damping = 0.001; fem.solver = \"static\" knows no damping; remove it");
+  for (const char* key : {"damping", "stiffness_damping"}) {
+    EXPECT_EQ(error_of(solver("solver = \"static\"") + while_ + with(key)),
+              fmt::format("a.toml:9: body.beam.{} = 0.001; fem.solver = \"static\" knows no damping; remove it", key));
+    EXPECT_EQ(error_of(while_ + with(key)), "no error");
+  }
+  EXPECT_EQ(error_of(solver("solver = \"static\"") + while_ + beam + "law = \"kelvin_voigt\"\nshear_viscosity = 5\n"),
+            "a.toml:14: body.beam.material.shear_viscosity = 5.0; fem.solver = \"static\" knows no damping; remove it");
   EXPECT_EQ(read(solver("solver = \"newmark\"") + "[time]\nfem_step = \"1 ms\"\n" + while_ + with("stiffness_damping"))
                 .bodies.at(0)
                 .stiffness_damping,

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "base/error.hpp"
 #include "tests/fem_helper.hpp"
@@ -96,6 +97,45 @@ TEST(Statics, ExplicitRunFromEquilibriumStaysThere) {
   for (int i = 0; i < 500; ++i) fem_test::step(*model, 0.9 * model->stable_step().limit);
   EXPECT_NEAR(model->probe_point("box", {2.4, 0, 0}, Quantity::displacement).z, tip, 1e-8 * std::abs(tip));
 }
+
+// Drucker-Prager in a triaxial test led by displacement, in many elements: an equal pressure of 100 kPa, then axial
+// strain from there, then back by 0.001. c 20 kPa, phi 30 degrees, outer cone, psi = phi, E 60 MPa, nu 0.3: elastic to
+// -(q + p) = -369.282032 kPa, which it keeps; the lateral strain grows by the flow; the way back is elastic, 60 kPa.
+struct Triaxial : testing::TestWithParam<std::string> {};
+
+TEST_P(Triaxial, YieldsAndComesBack) {
+  auto body = fem_test::box(GetParam(), {1, 1, 1, 2, 2, 2});
+  body.materials = {{"", "drucker_prager", 60e6, 0.3, 2000, ""}};
+  body.materials[0].cohesion = 20e3;
+  body.materials[0].friction_angle = body.materials[0].dilation_angle = std::numbers::pi / 6;
+  body.supports = {
+      {"x_min", {true, false, false}, ""}, {"y_min", {false, true, false}, ""}, {"z_min", {false, false, true}, ""}};
+  for (const char* side : {"x_max", "y_max"})
+    body.loads.push_back(
+        {side, side, fem::LoadKind::pressure, {}, fem_test::history([](double) { return 100e3; }), ""});
+  const double start = 100e3 * (1 - 2 * 0.3) / 60e6;
+  const double axial[] = {0, 0.002, 0.005, 0.010, 0.009};
+  body.motions = {{"plate",
+                   "z_max",
+                   fem::PrescribedMotion::Kind::displacement,
+                   {false, false, true},
+                   fem_test::history([&](double t) { return t < 0.5 ? 0 : -start - axial[std::lround(t) - 1]; }),
+                   ""}};
+  const auto model = fem::Model::create(MPI_COMM_SELF, statics(body));
+  const double stress[] = {-100e3, -220e3, -369282.0323, -369282.0323, -309282.0323};
+  const double lateral[] = {0, 6.0e-4, 2.11435935e-3, 9.61435935e-3, 9.31435935e-3};
+  for (int k = 0; k < 5; ++k) {
+    fem_test::step(*model, 1);
+    for (const auto& found : model->element_stresses("box")) {
+      EXPECT_NEAR(found[2], stress[k], 1e-6 * std::abs(stress[k])) << "step " << k;
+      EXPECT_NEAR(found[0], -100e3, 0.1);
+    }
+    EXPECT_NEAR(model->probe_group("box", "x_max", Quantity::displacement).x, lateral[k] - start, 1e-8);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Fem, Triaxial, testing::Values("hex8", "hex8_bbar", "hex20_reduced", "tet10", "tet4"),
+                         [](const auto& info) { return info.param; });
 
 std::string message_of(const fem::Setup& setup) {
   try {
