@@ -66,6 +66,7 @@ Packer::Packer(const Scene& scene, const std::vector<base::Skin>& skins, dem::Ba
   setup.interactions.assign(setup.materials.size() * setup.materials.size(), scene.grains->interactions.front());
   setup.gravity = scene.gravity;
   setup.skin = scene.grains->neighbour_skin;
+  setup.maximum_overlap = scene.grains->maximum_overlap;
   setup.periods = scene.grains->periods;
   setup.track_energy = false;
   simulation_ = dem::Simulation::create(setup, backend);

@@ -1,7 +1,7 @@
 // Cantilever of Nishiura2017 3.1 under 200 N as a step from rest: L 2.4 m, 0.25 x 0.22 m, E 45 GPa, nu 0.167, rho 2350
 // kg/m3, clamped at x = 0, the force shared equally by the nodes at x = L. Expected values: CalculiX 2.20 and FrontISTR
 // on the same meshes, explicit, lumped mass. A wrong split of the hexahedra, a consistent mass or a first half step
-// without acceleration moves the peak by more than the 0.5 % allowed here.
+// without acceleration moves the peak by more than the 0.2 % allowed here.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,13 +19,14 @@ struct Swing {
   const char* element;
   double peak;         // [m]
   double frequency;    // [Hz]
-  double stable_step;  // [s] 2 / omega_max
+  double stable_step;  // [s] 2 / omega_max; 0: not known
   double duration;     // [s]
+  int cells_x, cells_yz;
 };
-std::ostream& operator<<(std::ostream& out, const Swing& swing) { return out << swing.element; }
+std::ostream& operator<<(std::ostream& out, const Swing& swing) { return out << swing.element << swing.cells_x; }
 
-fem::Body cantilever(const std::string& element) {
-  auto body = fem_test::box(element, {2.4, 0.25, 0.22, 48, 4, 4});
+fem::Body cantilever(const Swing& swing) {
+  auto body = fem_test::box(swing.element, {2.4, 0.25, 0.22, swing.cells_x, swing.cells_yz, swing.cells_yz});
   body.supports = {{"x_min", {true, true, true}, "supports"}};
   body.loads = {
       {"tip", "x_max", fem::LoadKind::nodal_total, {0, 0, -1}, fem_test::history([](double) { return 200; }), ""}};
@@ -71,10 +72,12 @@ struct Cantilever : testing::TestWithParam<Swing> {};
 
 TEST_P(Cantilever, SwingsAsExpected) {
   const Swing expected = GetParam();
-  const auto model = fem::Model::create(MPI_COMM_SELF, {{cantilever(expected.element)}, {}});
+  const auto model = fem::Model::create(MPI_COMM_SELF, {{cantilever(expected)}, {}});
   const double limit = model->stable_step().limit;
-  EXPECT_LE(limit, expected.stable_step);
-  EXPECT_GE(limit, 0.95 * expected.stable_step);
+  if (expected.stable_step > 0) {
+    EXPECT_LE(limit, expected.stable_step);
+    EXPECT_GE(limit, 0.95 * expected.stable_step);
+  }
   EXPECT_NE(model->stable_step().limiter.find("body \"box\", " + std::string(expected.element) + " element"),
             std::string::npos)
       << model->stable_step().limiter;
@@ -87,7 +90,7 @@ TEST_P(Cantilever, SwingsAsExpected) {
     tip.push_back(-model->probe_point("box", {2.4, 0, 0}, fem::Quantity::displacement).z);
     if (model->time() < 1 / expected.frequency) peak = std::max(peak, tip.back());  // of the first swing
   }
-  EXPECT_NEAR(peak, expected.peak, 0.005 * expected.peak);
+  EXPECT_NEAR(peak, expected.peak, 0.002 * expected.peak);
   EXPECT_NEAR(swing_frequency(tip, dt, expected.frequency), expected.frequency, 0.005 * expected.frequency);
   const auto energy = model->energy();
   EXPECT_NEAR(energy.stored(), energy.works() - energy.losses(), 1e-4 * energy.works());
@@ -96,9 +99,10 @@ TEST_P(Cantilever, SwingsAsExpected) {
 // The Kuhn split is no mirror image of itself: it turns the beam's bending out of the vertical, and some of the second
 // mode (33.4 Hz) mixes into the tip's path. Three swings tell the two apart.
 INSTANTIATE_TEST_SUITE_P(Fem, Cantilever,
-                         testing::Values(Swing{"hex8", 176.21e-6, 27.21, 1.103258e-5, 0.042},
-                                         Swing{"tet4", 149.82e-6, 29.29, 7.833242e-6, 0.1}),
-                         [](const auto& info) { return std::string(info.param.element); });
+                         testing::Values(Swing{"hex8", 176.21e-6, 27.21, 1.103258e-5, 0.042, 48, 4},
+                                         Swing{"hex8", 164.01e-6, 28.17, 0, 0.042, 24, 2},
+                                         Swing{"tet4", 149.82e-6, 29.29, 7.833242e-6, 0.1, 48, 4}),
+                         [](const auto& info) { return info.param.element + std::to_string(info.param.cells_x); });
 
 // With damping the beam comes to rest where the static solution is: tip 92.4457 um with B-bar on the same mesh, to 0.1
 // % of it. A force left out of the balance, or one counted twice, changes it.

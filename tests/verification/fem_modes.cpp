@@ -41,7 +41,10 @@ TEST_P(CantileverModes, AsInOtherCodes) {
 INSTANTIATE_TEST_SUITE_P(Fem, CantileverModes,
                          testing::Values(Row{"tet4", 24, 2, 34.48, 41.54}, Row{"tet4", 48, 4, 29.29, 33.43},
                                          Row{"hex8", 24, 2, 28.17, 31.64}, Row{"hex8", 48, 4, 27.21, 30.78},
-                                         Row{"hex8_bbar", 48, 4, 26.895, 30.427}));
+                                         Row{"hex8_bbar", 48, 4, 26.895, 30.427},
+                                         Row{"hex8_incompatible", 48, 4, 26.877, 30.485},
+                                         Row{"tet10", 24, 2, 26.88, 30.49}, Row{"hex20", 12, 2, 26.87, 30.48},
+                                         Row{"hex20_reduced", 24, 2, 26.885, 30.495}));
 
 // A bar on rollers all round, free ends, n cells, lumped mass: omega_k = 2 c / h sin(k pi / (2 n)) (chain of equal
 // masses and springs, end masses half), c^2 = (lambda + 2 mu) / rho. One rigid motion, which is no mode.

@@ -67,6 +67,47 @@ INSTANTIATE_TEST_SUITE_P(Fem, StaticTip,
                                          Tip{"hex8_bbar", 48, 4, 92.4457e-6, direct},
                                          Tip{"hex8_bbar", 48, 4, 92.4457e-6, iterative}));
 
+/// Downward displacement [m] at a point of the body in equilibrium.
+double sag(const fem::Model& model, const char* body, base::Vec3 point) {
+  return -model.probe_point(body, point, Quantity::displacement).z;
+}
+
+// Strip of 8 x 1 x 0.1 m, E 30 GPa, nu 0.2, held from below where |x| >= 3 m, 8.5 kPa on its top (after Villard 2009);
+// a quarter of the mesh 80 x 4 x 2. Expected deflections at mid-thickness: CalculiX and FrontISTR, eight points.
+TEST(Statics, PlateOnLedges) {
+  auto plate = fem_test::box("hex20_reduced", {});
+  plate.mesh_file = TRACKBED_SOURCE_FOLDER "/meshes/strip.geo";
+  plate.mesh_parameters = {{"cells_span", 30}, {"cells_ledge", 10}, {"cells_y", 2}, {"cells_z", 2}};
+  plate.materials = {{"", "linear_elastic", 30e9, 0.2, 2500, ""}};
+  plate.supports = {
+      {"ledge", {true, true, true}, ""}, {"mid_x", {true, false, false}, ""}, {"mid_y", {false, true, false}, ""}};
+  plate.loads = {
+      {"q", "top", fem::LoadKind::traction, {0, 0, -1}, fem_test::history([](double) { return 8.5e3; }), ""}};
+  const auto model = fem::Model::create(MPI_COMM_SELF, statics(plate));
+  fem_test::step(*model, 1);
+  constexpr double expected[] = {11.8190e-3, 11.1846e-3, 9.3876e-3, 6.7455e-3, 3.7848e-3, 1.2321e-3};
+  for (int k = 0; k < 6; ++k)
+    EXPECT_NEAR(sag(*model, "box", {0.5 * k, 0, 0}), expected[k], 1e-4 * expected[k]) << 0.5 * k << " m";
+}
+
+// Block of 10 x 6 x 3 m, E 60 MPa, nu 0.3, on a rigid base between smooth walls; 100 kPa on 0.3 x 0.3 m. A quarter of
+// it, four hex20 over half the footing, growing away. Expected: CalculiX and FrontISTR, hex20 on such meshes.
+TEST(Statics, FootingOnSubgrade) {
+  auto ground = fem_test::box("hex20", {});
+  ground.mesh_file = TRACKBED_SOURCE_FOLDER "/meshes/loaded_block.geo";
+  ground.mesh_parameters = {{"cells_patch", 4}, {"cells_x", 9}, {"cells_y", 8}, {"cells_z", 9}, {"growth", 1.6}};
+  ground.materials = {{"", "linear_elastic", 60e6, 0.3, 1900, ""}};
+  ground.supports = {{"base", {true, true, true}, ""}};
+  for (const char* side : {"mid_x", "far_x"}) ground.supports.push_back({side, {true, false, false}, ""});
+  for (const char* side : {"mid_y", "far_y"}) ground.supports.push_back({side, {false, true, false}, ""});
+  ground.loads = {
+      {"q", "patch", fem::LoadKind::traction, {0, 0, -1}, fem_test::history([](double) { return 100e3; }), ""}};
+  const auto model = fem::Model::create(MPI_COMM_SELF, statics(ground));
+  fem_test::step(*model, 1);
+  EXPECT_NEAR(sag(*model, "box", {0, 0, 0}), 0.4903e-3, 3e-3 * 0.4903e-3);
+  EXPECT_NEAR(sag(*model, "box", {0.15, 0.15, 0}), 0.2347e-3, 3e-3 * 0.2347e-3);
+}
+
 // A column under its own weight on rollers: u = rho g (x - L) x / (2 E) upwards from the base, linear elements hit it
 // at their nodes; the base carries the weight.
 TEST(Statics, ColumnUnderItsOwnWeight) {
