@@ -132,12 +132,13 @@ class Block final : public ElementBlock {
     element_nodes_ = Element::nodes;
     batches_ = last - first;
     elements_ = std::min(whole.elements_ - first * lanes_, batches_ * lanes_);
-    const auto part = [&](const auto& column, int size) {
-      const auto* start = column.data() + static_cast<std::ptrdiff_t>(first) * lanes_ * size;
-      return std::decay_t<decltype(column)>(start, start + static_cast<std::ptrdiff_t>(batches_) * lanes_ * size);
+    const auto take = [&](auto& to, const auto& from, int size) {
+      to.resize(static_cast<std::size_t>(batches_) * lanes_ * size);
+      std::copy_n(from.data() + static_cast<std::ptrdiff_t>(first) * lanes_ * size,
+                  static_cast<std::ptrdiff_t>(batches_) * lanes_ * size, to.data());
     };
-    geometry_ = part(whole.geometry_, Element::geometry_size);
-    history_ = part(whole.history_, history_size);
+    take(geometry_, whole.geometry_, Element::geometry_size);
+    take(history_, whole.history_, history_size);
     nodes_.resize(static_cast<std::size_t>(batches_) * lanes_ * Element::nodes);
     for (int e = 0; e < batches_ * lanes_; ++e) {
       for (int a = 0; a < Element::nodes; ++a) nodes_[at(e, a, Element::nodes)] = e * Element::nodes + a;
@@ -148,8 +149,8 @@ class Block final : public ElementBlock {
     return (static_cast<std::size_t>(e / lanes_) * size + i) * lanes_ + e % lanes_;
   }
 
-  template <std::size_t size>
-  void copy(const std::vector<double>& from, int e, double (&to)[size]) const {
+  template <class Numbers, std::size_t size>
+  void copy(const Numbers& from, int e, double (&to)[size]) const {
     for (int i = 0; i < static_cast<int>(size); ++i) to[i] = from[at(e, i, size)];
   }
 

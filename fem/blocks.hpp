@@ -19,6 +19,22 @@ struct BlockInput {
   int lanes = 0;                      // elements at once: 2 or 4; 0: what suits this machine
 };
 
+/// Numbers that begin at a boundary of the widest vectors.
+class AlignedNumbers {
+ public:
+  void resize(std::size_t size) { quads_.resize((size + 3) / 4); }
+  double* data() { return quads_.empty() ? nullptr : quads_.front().lane; }
+  const double* data() const { return quads_.empty() ? nullptr : quads_.front().lane; }
+  double& operator[](std::size_t i) { return data()[i]; }
+  double operator[](std::size_t i) const { return data()[i]; }
+
+ private:
+  struct alignas(8 * avx2_lanes) Quad {
+    double lane[4];
+  };
+  std::vector<Quad> quads_;
+};
+
 /// What laws take out of the mechanics.
 struct Losses {
   double viscous_power = 0;  // [W]
@@ -84,7 +100,7 @@ class ElementBlock {
   double density_ = 0;
   bool viscous_ = false, keeps_history_ = false, has_simple_energy_ = false;
   std::vector<int> nodes_;           // [batch][node][lane]
-  std::vector<double> geometry_;     // [batch][number][lane]
+  AlignedNumbers geometry_;          // [batch][number][lane]
   std::vector<double> node_volume_;  // [element][node]
   std::vector<double> history_;      // [batch][number][lane] of the law
   ForceKernel kernel_ = nullptr, linear_kernel_ = nullptr;

@@ -5,7 +5,7 @@ namespace fem {
 
 struct KernelArguments {
   const int* nodes;             // [batch][node][lane] local node numbers
-  const double* geometry;       // [batch][number][lane]
+  const double* geometry;       // [batch][number][lane], at a boundary of vectors
   const void* law;              // the law's parameters
   const double* displacements;  // [m] [node][component]
   const double* velocities;     // [m/s] [node][component]; null: at rest

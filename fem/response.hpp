@@ -131,12 +131,10 @@ class Response {
       T symmetric[6], stress[3][3];
       Loss<T> density;
       law.stress(d, motion.history + static_cast<std::ptrdiff_t>(p) * Law::history, symmetric, density);
+      const T weight = Element::weight(g, p);
+      for (T& value : symmetric) value *= weight;
       to_matrix(symmetric, stress);
       if constexpr (Law::finite) to_reference_body(d.gradient, stress);
-      const T weight = Element::weight(g, p);
-      for (auto& row : stress) {
-        for (T& value : row) value *= weight;
-      }
       if constexpr (Law::viscous) loss.viscous += weight * density.viscous;
       if constexpr (Law::history > 0) loss.plastic += weight * density.plastic;
       forces.add(p, stress);
