@@ -277,6 +277,15 @@ const Table& absorbing_table() {
   return table;
 }
 
+const Table& periodic_faces_table() {
+  static const Table table{"body.periodic",
+                           "two faces that are one: what leaves at the first comes in at the second. Their nodes must "
+                           "lie opposite each other",
+                           {base::text("first", "physical surface of the mesh"),
+                            base::text("second", "the surface opposite, a shift away")}};
+  return table;
+}
+
 const Family& motion_family() {
   const auto row = [](const char* kind, const char* meaning, const char* unit) {
     return Table{
@@ -343,6 +352,7 @@ const Table& body_table() {
        base::tables("support", support_table(), "where it is held").otherwise_empty(),
        base::tables("motion", motion_family(), "where it is driven").otherwise_empty(),
        base::tables("absorbing", absorbing_table(), "where waves leave it").otherwise_empty(),
+       base::tables("periodic", periodic_faces_table(), "faces that are one").otherwise_empty(),
        base::tables("load", load_family(), "what pulls on it").otherwise_empty(),
        base::table("contact", contact_table(), "of its skin with grains").optional("all as in [grains]")}};
   return table;

@@ -31,6 +31,7 @@ const base::Table& body_table();
 const base::Family& material_family();  // by law
 const base::Table& support_table();
 const base::Table& absorbing_table();
+const base::Table& periodic_faces_table();
 const base::Family& motion_family();
 const base::Family& load_family();  // by kind
 const base::Table& contact_table();

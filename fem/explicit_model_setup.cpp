@@ -10,6 +10,7 @@
 #include "fem/faces.hpp"
 #include "fem/families.hpp"
 #include "fem/newton.hpp"
+#include "fem/periodic.hpp"
 #include "fem/stable_step.hpp"
 
 namespace fem {
@@ -23,19 +24,11 @@ std::vector<Mesh> read_meshes(MPI_Comm comm, const Setup& setup) {
                        message_head(body.origin, body.name) + "there are two bodies of this name");
   }
   std::vector<Mesh> meshes;
-  for (const auto& body : setup.bodies) meshes.push_back(read_mesh(comm, body));
-  return meshes;
-}
-
-/// Per node of a body: which components its supports hold.
-std::vector<std::array<bool, 3>> held_components(const Mesh& mesh, const Body& body) {
-  std::vector<std::array<bool, 3>> held(mesh.nodes.size(), {false, false, false});
-  for (const auto& support : body.supports) {
-    for (const int node : find_group(mesh, body, support.origin, "support.group", support.group).nodes) {
-      for (int c = 0; c < 3; ++c) held[node][c] = held[node][c] || support.fixed[c];
-    }
+  for (const auto& body : setup.bodies) {
+    meshes.push_back(read_mesh(comm, body));
+    meshes.back().shared = tie_periodic_faces(meshes.back(), body);
   }
-  return held;
+  return meshes;
 }
 
 /// Force [N] of each node of the mesh when the load's history is 1.
@@ -85,6 +78,18 @@ Setup with_stiffness_damping(Setup setup) {
 }
 
 }  // namespace
+
+std::vector<std::array<bool, 3>> held_components(const Mesh& mesh, const Body& body) {
+  std::vector<std::array<bool, 3>> held(mesh.nodes.size(), {false, false, false});
+  for (const auto& support : body.supports) {
+    for (const int node : find_group(mesh, body, support.origin, "support.group", support.group).nodes) {
+      auto& of = held[mesh.unknown_of(node)];
+      for (int c = 0; c < 3; ++c) of[c] = of[c] || support.fixed[c];
+    }
+  }
+  for (int node = 0; node < static_cast<int>(held.size()); ++node) held[node] = held[mesh.unknown_of(node)];
+  return held;
+}
 
 ExplicitModel::ExplicitModel(MPI_Comm comm, const Setup& setup)
     : setup_(with_stiffness_damping(setup)),

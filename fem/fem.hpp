@@ -83,6 +83,12 @@ struct AbsorbingBoundary {
   Origin origin;
 };
 
+/// Two surfaces that are one: what leaves the body at the first comes in at the second (periodic.hpp).
+struct PeriodicFaces {
+  std::string first, second;  // physical surfaces, alike but for a shift
+  Origin origin;
+};
+
 struct Body {
   std::string name;
   std::string mesh_file;                          // .geo (meshed through gmsh's API) or .msh
@@ -96,6 +102,7 @@ struct Body {
   std::vector<Load> loads;
   std::vector<PrescribedMotion> motions;
   std::vector<AbsorbingBoundary> absorbing;
+  std::vector<PeriodicFaces> periodic;
   double stiffness_damping = 0;   // [s] beta: viscosity beta mu (shear), beta K (bulk) beside the law's own
   std::vector<std::string> skin;  // physical surfaces that grains can touch; empty: none
   Origin origin;
