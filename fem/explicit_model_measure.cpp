@@ -187,7 +187,8 @@ void ExplicitModel::write(const std::string& directory, double time) {
   displacement_.end_to_ghosts();
   velocity_.begin_to_ghosts();
   velocity_.end_to_ghosts();
-  output_->write(directory, {time, shown, displacement_, velocity_});
+  const auto supported = reactions();
+  output_->write(directory, {time, shown, displacement_, velocity_, &acceleration_, &supported});
 }
 
 std::vector<BodyModes> ExplicitModel::find_modes(int count) {

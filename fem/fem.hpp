@@ -202,8 +202,8 @@ class Model {
   virtual double load_value(const std::string& name) const = 0;
   /// Displacement zero for output and probes from here on (the state itself is untouched).
   virtual void set_displacement_zero() = 0;
-  /// Appends one time level to DIR/<body>.pvd and writes DIR/<body>/<body>_NNNN.vtu (displacement, velocity, cell
-  /// stress, von Mises, material region) for every body. Throws base::MachineError when the disk fails.
+  /// Appends one time level to DIR/<body>.pvd and writes DIR/<body>/<body>_NNNN.vtu for every body (output.hpp). Throws
+  /// base::MachineError when the disk fails.
   virtual void write(const std::string& directory, double time) = 0;
 
   // ---- modal models
