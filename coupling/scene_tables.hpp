@@ -68,7 +68,8 @@ struct ProbeRow {
     pair,
     body_group,
     mode,
-    body_point
+    body_point,
+    clock
   } where;
 };
 const std::vector<ProbeRow>& probe_rows();

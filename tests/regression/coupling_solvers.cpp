@@ -105,6 +105,60 @@ TEST(Solvers, PlateOnLedges) {
     EXPECT_LT(std::abs(relative_error(json, place)), 0.006) << place;
 }
 
+// Against the closed forms; the paper's eq. 14, with mu for 2 mu, would be off by a tenth and more.
+TEST(Solvers, CreepAndRecovery) {
+  const fs::path out = scratch() / "creep_recovery";
+  const auto finished = trackbed("run " + scene("creep_recovery.toml") + " --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  for (const char* name : {"creep_held", "recovery_held", "creep_slip", "recovery_slip"})
+    EXPECT_LT(std::abs(relative_error(json, name)), 0.01) << name;
+  for (const char* name : {"creep_fixed", "recovery_fixed"})
+    EXPECT_TRUE(json["results"][name]["within"].get<bool>()) << name;
+}
+
+TEST(Solvers, DampedBar) {
+  const fs::path out = scratch() / "damped_bar";
+  const auto finished = trackbed("run " + scene("damped_bar.toml") + " --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  for (const char* name : {"rate_low", "rate_middle", "rate_high"})
+    EXPECT_LT(std::abs(relative_error(json, name)), 0.005) << name;
+  EXPECT_LT(std::abs(relative_error(json, "frequency")), 0.002);
+}
+
+TEST(Solvers, WaveInABar) {
+  const fs::path out = scratch() / "wave_bar";
+  const auto finished = trackbed("run " + scene("wave_bar.toml") + " --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  for (const char* name : {"plateau_free", "plateau_fine", "plateau_rollers"})
+    EXPECT_LT(std::abs(relative_error(json, name)), 0.002) << name;
+  // Half height, in cells that would not lag: 1.5 and 0.8 % earlier.
+  for (const char* name : {"arrival_free", "arrival_fine", "arrival_rollers"})
+    EXPECT_LT(std::abs(relative_error(json, name)), 0.002) << name;
+  for (const char* name : {"overshoot_free", "overshoot_fine", "overshoot_rollers"})
+    EXPECT_LT(std::abs(relative_error(json, name)), 0.02) << name;
+}
+
+TEST(Solvers, ColumnWithAnAbsorbingFoot) {
+  const fs::path out = scratch() / "absorbing_column";
+  const auto finished = trackbed("run " + scene("absorbing_column.toml") + " --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  EXPECT_TRUE(json["results"]["echo_absorbing"]["within"].get<bool>());
+  EXPECT_LT(std::abs(relative_error(json, "echo_free")), 0.02);
+}
+
+TEST(Solvers, SoilInTriaxialCompression) {
+  const fs::path out = scratch() / "drucker_prager_triaxial";
+  const auto finished = trackbed("run " + scene("drucker_prager_triaxial.toml") + " --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto json = summary(out);
+  for (const char* name : {"stress_02", "stress_05", "stress_10", "lateral_02", "lateral_05", "lateral_10"})
+    EXPECT_LT(std::abs(relative_error(json, name)), 1e-3) << name;
+}
+
 TEST(Solvers, AMechanismIsTheUsersMistake) {
   const fs::path file = scratch() / "loose.toml", out = scratch() / "loose";
   std::ofstream(file) << "[fem]\nsolver = \"static\"\n[[body]]\nname = \"beam\"\nmesh = \"" << TRACKBED_SOURCE_FOLDER
@@ -121,6 +175,38 @@ TEST(Solvers, AMechanismIsTheUsersMistake) {
         << finished.output;
     EXPECT_FALSE(fs::exists(out));
   }
+}
+
+// Mobility as in Nishiura2017 4.2: spectrum of a velocity over that of the load, both smoothed by Parzen's window, 20
+// Hz wide. The middle of a free block of mass m, damped by alpha, has 1 / (m sqrt(alpha^2 + omega^2)), whatever the
+// pulse.
+TEST(Solvers, MobilityOfAFreeBlock) {
+  const fs::path file = scratch() / "mobility.toml", out = scratch() / "mobility";
+  std::ofstream(file)
+      << "gravity = [0, 0, 0]\n[[body]]\nname = \"block\"\nmesh = \"" << TRACKBED_SOURCE_FOLDER
+      << "/meshes/box.geo\"\nmesh_parameters = { length = 1, width = 1, height = 1, cells_x = 1, cells_y "
+         "= 1, cells_z = 1 }\ndamping = 60\n[[body.material]]\nyoung_modulus = 30e9\npoisson_ratio = "
+         "0.2\ndensity = 2000\n[[body.load]]\nname = \"hammer\"\ngroup = \"z_max\"\nkind = "
+         "\"face_total\"\ndirection = [0, 0, -1]\nhistory = { kind = \"table\", times = [0, 1e-3, 2e-3], "
+         "values = [0, 1e4, 0] }\n[[stage]]\nname = \"blow\"\nduration = 0.4\n"
+         "[[probe]]\nname = \"v\"\nkind = \"velocity\"\nbody = \"block\"\ngroup = \"solid\"\n"
+         "[[probe]]\nname = \"force\"\nkind = \"load\"\nload = \"hammer\"\n"
+         "[[spectrum]]\nname = \"mobility\"\nprobe = \"v\"\nover = \"force\"\nbandwidth = 20\n";
+  const auto finished = trackbed("run '" + file.string() + "' --out " + out.string());
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  std::istringstream lines(slurp(out / "spectra.csv"));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "frequency [Hz],mobility [m/s/(N)]");
+  int compared = 0;
+  double frequency = 0, mobility = 0;
+  while (std::getline(lines, line) && std::sscanf(line.c_str(), "%lf,%lf", &frequency, &mobility) == 2) {
+    if (frequency < 100 || frequency > 250) continue;  // below, 20 Hz are wide
+    const double expected = 1 / (2000 * std::hypot(60, 2 * std::numbers::pi * frequency));
+    EXPECT_NEAR(mobility, expected, 0.02 * expected) << frequency << " Hz";
+    ++compared;
+  }
+  EXPECT_GT(compared, 40);
 }
 
 TEST(Solvers, CheckSaysHowBodiesAreSolved) {

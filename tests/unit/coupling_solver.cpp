@@ -104,9 +104,9 @@ density = 2350
     std::string text = damped;
     return text.replace(text.find("KEY"), 3, key);
   };
-  EXPECT_EQ(error_of(while_ + with("stiffness_damping")),
-            "a.toml:7: body.beam.stiffness_damping = 0.001; only fem.solver = \"newmark\" has it: it would shorten "
-            "explicit steps; remove it, or set fem.solver = \"newmark\"");
+  EXPECT_EQ(read(while_ + with("stiffness_damping")).bodies.at(0).stiffness_damping, 1e-3);
+  EXPECT_EQ(error_of(solver("solver = \"static\"") + while_ + with("stiffness_damping")),
+            "a.toml:9: body.beam.stiffness_damping = 0.001; fem.solver = \"static\" knows no damping; remove it");
   EXPECT_EQ(error_of(solver("solver = \"static\"") + while_ + with("damping")),
             "a.toml:9: body.beam.damping = 0.001; fem.solver = \"static\" knows no damping; remove it");
   EXPECT_EQ(read(solver("solver = \"newmark\"") + "[time]\nfem_step = \"1 ms\"\n" + while_ + with("stiffness_damping"))
