@@ -209,6 +209,29 @@ TEST(Solvers, MobilityOfAFreeBlock) {
   EXPECT_GT(compared, 40);
 }
 
+// A layer under shear, periodic along the track, on one rank and on two: u = tau h / mu at the top, however short it
+// is.
+TEST(Solvers, LayerWithoutEnds) {
+  const fs::path file = scratch() / "layer.toml", out = scratch() / "layer";
+  std::ofstream(file)
+      << "[fem]\nsolver = \"static\"\n[[body]]\nname = \"layer\"\nmesh = \"" << TRACKBED_SOURCE_FOLDER
+      << "/meshes/box.geo\"\ngravity = false\nmesh_parameters = { length = 1, width = 0.5, height = 0.5, "
+         "cells_x = 4, cells_y = 2, cells_z = 2 }\n[[body.material]]\nyoung_modulus = 24e6\npoisson_ratio "
+         "= 0.2\ndensity = 2000\n[[body.support]]\ngroup = \"z_min\"\nfix = [\"x\", \"y\", \"z\"]\n"
+         "[[body.periodic]]\nfirst = \"x_min\"\nsecond = \"x_max\"\n"
+         "[[body.load]]\nname = \"shear\"\ngroup = \"z_max\"\nkind = \"traction\"\ndirection = [1, 0, "
+         "0]\nhistory = { kind = \"constant\", value = 1e4 }\n[[stage]]\nname = \"rest\"\nduration = 1\n"
+         "[[probe]]\nname = \"top\"\nkind = \"displacement\"\nbody = \"layer\"\npoint = [1, 0.25, "
+         "0.25]\ncomponent = \"x\"\n[[result]]\nname = \"top\"\nprobe = \"top\"\nexpected = 5e-4\n";
+  const auto checked = trackbed("check " + file.string());
+  EXPECT_NE(checked.output.find("periodic: x_min and x_max are one"), std::string::npos) << checked.output;
+  for (const int ranks : {0, 2}) {
+    const auto finished = trackbed("run " + file.string() + " --overwrite --out " + out.string(), ranks);
+    ASSERT_EQ(finished.status, 0) << finished.output;
+    EXPECT_LT(std::abs(relative_error(summary(out), "top")), 1e-8);
+  }
+}
+
 TEST(Solvers, CheckSaysHowBodiesAreSolved) {
   const auto modal = trackbed("check " + scene("sleeper_modes.toml"));
   EXPECT_EQ(modal.status, 0) << modal.output;
