@@ -190,6 +190,8 @@ std::string bodies_text(const Setup& setup) {
     text += fmt::format("  {}: {} {} elements, {} nodes, {:.4g} kg, from {} to {} m, {}\n", body.name, body.elements,
                         scene_body.element, body.nodes, body.mass, place(body.lower), place(body.upper),
                         scene_body.skin.empty() ? "no skin" : "skin " + base::join(scene_body.skin));
+    for (const auto& faces : scene_body.periodic)
+      text += fmt::format("    periodic: {} and {} are one\n", faces.first, faces.second);
   }
   return text;
 }

@@ -62,11 +62,12 @@ std::string gradings() {
 std::string scene() {
   std::string text;
   for (const base::Table* table :
-       {&scene_table(),   &time_table(),          &fem_table(),       &grains_table(),   &grain_material_table(),
-        &shape_table(),   &grain_table(),         &bonds_table(),     &bond_table(),     &packing_table(),
-        &layer_table(),   &growth_table(),        &vibration_table(), &loosen_table(),   &erode_table(),
-        &wall_table(),    &wall_material_table(), &body_table(),      &support_table(),  &absorbing_table(),
-        &contact_table(), &stage_table(),         &result_table(),    &spectrum_table(), &output_table()}) {
+       {&scene_table(),          &time_table(),          &fem_table(),       &grains_table(),  &grain_material_table(),
+        &shape_table(),          &grain_table(),         &bonds_table(),     &bond_table(),    &packing_table(),
+        &layer_table(),          &growth_table(),        &vibration_table(), &loosen_table(),  &erode_table(),
+        &wall_table(),           &wall_material_table(), &body_table(),      &support_table(), &absorbing_table(),
+        &periodic_faces_table(), &contact_table(),       &stage_table(),     &result_table(),  &spectrum_table(),
+        &output_table()}) {
     text += base::describe(*table) + "\n";
   }
   return text +

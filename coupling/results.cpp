@@ -26,6 +26,31 @@ double frequency(std::span<const double> time, std::span<const double> values) {
   return crossings > 1 ? (crossings - 1) / (last - first) : std::nan("");
 }
 
+/// tau of a swing a e^(-tau t) cos(omega t) about any place: the ways from one turn to the next shrink as e^(-tau t);
+/// the line through their logarithms, as far down as a thousandth of the longest. NaN with fewer than three turns.
+double decay(std::span<const double> time, std::span<const double> values) {
+  std::vector<double> turns, at;
+  for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+    const double before = values[i] - values[i - 1], after = values[i + 1] - values[i];
+    if (before * after >= 0) continue;
+    const double shift = 0.5 * (before + after) / (before - after);  // vertex of the parabola through the three
+    at.push_back(time[i] + shift * (time[i + 1] - time[i]));
+    turns.push_back(values[i] + 0.25 * shift * (before + after));
+  }
+  double longest = 0, n = 0, t = 0, w = 0, tt = 0, tw = 0;
+  for (std::size_t k = 1; k < turns.size(); ++k) longest = std::max(longest, std::abs(turns[k] - turns[k - 1]));
+  for (std::size_t k = 1; k < turns.size(); ++k) {
+    const double way = std::abs(turns[k] - turns[k - 1]), middle = 0.5 * (at[k] + at[k - 1]);
+    if (way < 1e-3 * longest) break;
+    n += 1;
+    t += middle;
+    w += std::log(way);
+    tt += middle * middle;
+    tw += middle * std::log(way);
+  }
+  return n > 1 ? -(n * tw - t * w) / (n * tt - t * t) : std::nan("");
+}
+
 /// Largest value before the series falls through its mid-range level for the first time.
 double first_peak(std::span<const double> values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
@@ -88,6 +113,7 @@ double take(const std::string& how, std::span<const double> time, std::span<cons
   if (how == "range")
     return *std::max_element(values.begin(), values.end()) - *std::min_element(values.begin(), values.end());
   if (how == "frequency") return frequency(time, values);
+  if (how == "decay") return decay(time, values);
   if (how == "at") return value_at(values, over, level);
   if (how == "ratio") return largest_magnitude(values) / largest_magnitude(over);
   throw base::InternalError("unknown way to take a result");

@@ -150,7 +150,7 @@ void RunLoop::zero() {
     setup_.grains->reset_energy();
   }
   sampler_.zero();
-  ledger_.start(sampler_.sample(true).energy);
+  ledger_.start(sampler_.sample(time_, true).energy);
   series_ = {};
   series_.columns.resize(setup_.scene.probes.size());
   agree(setup_.roles->world, [&] {
@@ -241,7 +241,7 @@ void RunLoop::observe(bool picture, bool final) {
       throw base::InterruptedError(
           fmt::format("t = {:.6g} s: {}; results up to here are in {}", time_, signal, directory_.string()));
   });
-  const auto sample = sampler_.sample(picture);
+  const auto sample = sampler_.sample(time_, picture);
   agree(setup_.roles->world, [&] {
     if (setup_.grains && setup_.scene.time.force_step) guard_flight();
     if (measuring_) ledger_.add(sample.energy);

@@ -75,7 +75,7 @@ void Sampler::zero() {
   }
 }
 
-Sampler::Sample Sampler::sample(bool thorough) {
+Sampler::Sample Sampler::sample(double time, bool thorough) {
   copies_.forget();
   Sample result{kept_, {}};
   std::vector<double> from_bodies(energy_terms, 0.0);
@@ -108,6 +108,8 @@ Sampler::Sample Sampler::sample(bool thorough) {
       kept_[p] = from_bodies[next++];
     else if (!probe.of.empty())
       kept_[p] = combined(probe, kept_);
+    else if (probe.kind == ProbeKind::time)
+      kept_[p] = probe.scale * time;
     else if (probe.kind == ProbeKind::wall_displacement || probe.kind == ProbeKind::wall_velocity)
       kept_[p] = wall_probe(probe, kept_[p]);
     else if (!slow || thorough)

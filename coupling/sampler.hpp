@@ -30,8 +30,8 @@ class Sampler {
   /// The measuring starts: the grains nearest to points are chosen, displacements count from here.
   void zero();
   /// Collective over the world; the answer is whole on the root only. Slow probes (is_slow()) are taken afresh only if
-  /// `thorough`, and keep their last value otherwise.
-  Sample sample(bool thorough);
+  /// `thorough`, and keep their last value otherwise. `time` [s] is that of the run.
+  Sample sample(double time, bool thorough);
   /// A scene wall that has been taken away: no force any more, its last place.
   void forget_wall(std::size_t wall) { named_walls_[wall] = -1; }
 

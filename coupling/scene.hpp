@@ -220,7 +220,8 @@ enum class ProbeKind {
   angle,  // of other probes that stand before it
   reaction,
   mode_frequency,
-  body_stress  // of a body
+  body_stress,  // of a body
+  time
 };
 struct Probe {
   std::string name;
@@ -244,10 +245,10 @@ struct Probe {
 struct Result {
   std::string name;
   std::string probe;
-  std::string take =
-      "last";        // first | last | min | max | first_peak | rise | max_abs | mean | range | frequency | ratio | at
-  std::string over;  // for ratio: max|probe| / max|over|; for at: what reaches `level`
-  double level = 0;  // of `over`, SI
+  /// first | last | min | max | first_peak | rise | max_abs | mean | range | frequency | decay | ratio | at
+  std::string take = "last";
+  std::string over;     // for ratio: max|probe| / max|over|; for at: what reaches `level`
+  double level = 0;     // of `over`, SI
   double smoothed = 0;  // [s] width of a moving mean taken first; 0: none
   double scale = 1;
   std::string unit;                                     // shown; the values here are SI

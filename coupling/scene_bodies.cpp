@@ -166,6 +166,8 @@ fem::Body read_body(const Value& row, const Scene& scene) {
   for (const auto& motion : row.at("motion").list()) body.motions.push_back(read_motion(motion, scene));
   for (const auto& absorbing : row.at("absorbing").list())
     body.absorbing.push_back({absorbing.at("group").text(), absorbing.origin()});
+  for (const auto& faces : row.at("periodic").list())
+    body.periodic.push_back({faces.at("first").text(), faces.at("second").text(), faces.origin()});
   for (const auto& load : row.at("load").list()) body.loads.push_back(read_load(load, scene));
   return body;
 }

@@ -91,7 +91,7 @@ std::string packing_hash(const Value& root, const Scene& scene) {
     if (!named && body.at("skin").list().empty()) continue;
     Value shape = body;  // loads, supports and elastic constants do not matter to the packing
     for (const char* name :
-         {"material", "support", "motion", "absorbing", "load", "gravity", "damping", "stiffness_damping"})
+         {"material", "support", "motion", "absorbing", "periodic", "load", "gravity", "damping", "stiffness_damping"})
       shape.table().erase(name);
     add_with_mesh(print, shape, body_table());
   }

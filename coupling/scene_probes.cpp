@@ -124,7 +124,7 @@ Probe read_probe(const Value& row, const Scene& scene) {
   const bool of_mode = where == ProbeRow::mode;
   const bool of_body =
       where == ProbeRow::body_motion || where == ProbeRow::body_group || where == ProbeRow::body_point || of_mode;
-  const bool of_grains = !of_body && where != ProbeRow::load && !combined;
+  const bool of_grains = !of_body && where != ProbeRow::load && where != ProbeRow::clock && !combined;
   if (of_mode != scene.is_modal() && !combined)
     fail(row.at("kind"),
          of_mode ? "only fem.solver = \"modal\" finds modes" : "fem.solver = \"modal\" goes through no time",
@@ -174,6 +174,7 @@ std::string value_unit(const Value& row, const Scene& scene) {
   const std::string& take = row.at("take").text();
   const std::string unit = unit_of(scene, row.at("probe").text());
   if (take == "frequency") return "Hz";
+  if (take == "decay") return "1/s";
   if (take != "ratio") return unit;
   const std::string over = unit_of(scene, row.at("over").text());
   if (unit == over) return "";

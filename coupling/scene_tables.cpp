@@ -277,6 +277,15 @@ const Table& absorbing_table() {
   return table;
 }
 
+const Table& periodic_faces_table() {
+  static const Table table{"body.periodic",
+                           "two faces that are one: what leaves at the first comes in at the second. Their nodes must "
+                           "lie opposite each other",
+                           {base::text("first", "physical surface of the mesh"),
+                            base::text("second", "the surface opposite, a shift away")}};
+  return table;
+}
+
 const Family& motion_family() {
   const auto row = [](const char* kind, const char* meaning, const char* unit) {
     return Table{
@@ -334,8 +343,9 @@ const Table& body_table() {
        base::vector("translation", "m", "added to every node").otherwise(Vec3{}),
        base::boolean("gravity", "false: starts in geostatic balance, its own weight is left out").otherwise(true),
        base::real("damping", "1/s", "mass-proportional damping -alpha m v").at_least(0).otherwise(0.0),
-       base::real("stiffness_damping", "s",
-                  "stiffness-proportional (Rayleigh) damping beta: viscosity beta mu and beta K; shortens explicit steps")
+       base::real(
+           "stiffness_damping", "s",
+           "stiffness-proportional (Rayleigh) damping beta: viscosity beta mu and beta K; shortens explicit steps")
            .at_least(0)
            .otherwise(0.0),
        base::texts("skin", "physical surfaces that grains can touch").otherwise_empty(),
@@ -343,6 +353,7 @@ const Table& body_table() {
        base::tables("support", support_table(), "where it is held").otherwise_empty(),
        base::tables("motion", motion_family(), "where it is driven").otherwise_empty(),
        base::tables("absorbing", absorbing_table(), "where waves leave it").otherwise_empty(),
+       base::tables("periodic", periodic_faces_table(), "faces that are one").otherwise_empty(),
        base::tables("load", load_family(), "what pulls on it").otherwise_empty(),
        base::table("contact", contact_table(), "of its skin with grains").optional("all as in [grains]")}};
   return table;
@@ -397,7 +408,8 @@ const std::vector<ProbeRow>& probe_rows() {
       {"angle", "rad", "arc tangent of one probe over another", ProbeRow::pair},
       {"reaction", "N", "sum of the supports' forces on the nodes of a group of a body", ProbeRow::body_group},
       {"mode_frequency", "Hz", "frequency of an elastic mode of a body, of fem.solver = \"modal\"", ProbeRow::mode},
-      {"body_stress", "Pa", "stress of a body at a node, from the elements around it", ProbeRow::body_point}};
+      {"body_stress", "Pa", "stress of a body at a node, from the elements around it", ProbeRow::body_point},
+      {"time", "s", "time since the run began, for results taken at an instant", ProbeRow::clock}};
   return rows;
 }
 
@@ -442,6 +454,7 @@ Table probe_table(const ProbeRow& row) {
       list = joined(list, grain_probe_parameters(row.where, box_table()));
       break;
     case ProbeRow::none:
+    case ProbeRow::clock:
       break;
     case ProbeRow::grain:
       list.push_back(base::integer("grain", "number of the [[grain]], from 0").at_least(0).optional("`point` instead"));
@@ -498,9 +511,10 @@ const Table& result_table() {
       {base::name("name", "in summary.json"), base::text("probe", "name of the probe"),
        base::text("take",
                   "first_peak: before the first fall through mid-range; rise: max - first; ratio: max|probe| / "
-                  "max|over|; frequency: of the swing about its middle; at: when `over` first reaches `level`")
+                  "max|over|; frequency: of the swing about its middle; decay: rate at which a swing dies away; at: "
+                  "when `over` first reaches `level`")
            .among({"first", "last", "min", "max", "first_peak", "rise", "max_abs", "mean", "range", "frequency",
-                   "ratio", "at"})
+                   "decay", "ratio", "at"})
            .otherwise("last"),
        base::text("over", "probe to divide by (ratio), or that reaches the level (at)").optional("none"),
        base::quantity("level", "of `over`, for at").optional("none"),

@@ -31,6 +31,7 @@ const base::Table& body_table();
 const base::Family& material_family();  // by law
 const base::Table& support_table();
 const base::Table& absorbing_table();
+const base::Table& periodic_faces_table();
 const base::Family& motion_family();
 const base::Family& load_family();  // by kind
 const base::Table& contact_table();
@@ -67,7 +68,8 @@ struct ProbeRow {
     pair,
     body_group,
     mode,
-    body_point
+    body_point,
+    clock
   } where;
 };
 const std::vector<ProbeRow>& probe_rows();

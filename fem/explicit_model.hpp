@@ -9,6 +9,7 @@
 // Its work is that of the reaction m a + alpha m v + f_inner - f_outer. Source: Hughes (2000), 9.1; Belytschko (2000),
 // box 6.1. Work of a force over a step: half of (F_old + F_new) . (u_new - u_old). With it kinetic + strain - works +
 // losses changes by dt^2/8 (sum m a^2) only: it stays within that, and does not drift.
+#include <array>
 #include <map>
 #include <memory>
 #include <string>
@@ -23,6 +24,9 @@
 #include "fem/recovery.hpp"
 
 namespace fem {
+
+/// Per node of a body: which components its supports hold.
+std::vector<std::array<bool, 3>> held_components(const Mesh&, const Body&);
 
 class ExplicitModel : public Model {
  public:
@@ -93,6 +97,7 @@ class ExplicitModel : public Model {
   void agree_on_finite(double measure);
   int body_index(const std::string& name) const;
   double gravity_potential() const;
+  std::vector<double> reactions() const;  // [N] of supports, on the owned components that they hold
   Vec3 value_at(int owned_node, Quantity) const;
   int nearest_node(int body, const Vec3& point) const;
   Vec3 mean_over(int body, std::span<const int> nodes, Quantity) const;

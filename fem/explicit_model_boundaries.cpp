@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "fem/explicit_model.hpp"
 #include "fem/faces.hpp"
@@ -13,15 +14,13 @@ namespace fem {
 void ExplicitModel::make_motions() {
   for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {
     const Body& body = setup_.bodies[b];
-    std::vector<std::array<bool, 3>> led(meshes_[b].nodes.size(), {false, false, false});
-    for (const auto& support : body.supports) {
-      for (const int node : find_group(meshes_[b], body, support.origin, "support.group", support.group).nodes) {
-        for (int c = 0; c < 3; ++c) led[node][c] = led[node][c] || support.fixed[c];
-      }
-    }
+    auto led = held_components(meshes_[b], body);
     for (const auto& motion : body.motions) {
       base::require_internal(motion.history != nullptr, "a motion without a history");
-      for (const int node : find_group(meshes_[b], body, motion.origin, "motion.group", motion.group).nodes) {
+      std::set<int> nodes;  // periodic faces may have two nodes on one unknown
+      for (const int node : find_group(meshes_[b], body, motion.origin, "motion.group", motion.group).nodes)
+        nodes.insert(meshes_[b].unknown_of(node));
+      for (const int node : nodes) {
         const int local = layout_.owned_node(b, node);
         for (int c = 0; c < 3; ++c) {
           if (!motion.along[c]) continue;

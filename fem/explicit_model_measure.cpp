@@ -114,17 +114,24 @@ Vec3 ExplicitModel::probe_point(const std::string& body, Vec3 point, Quantity qu
   return mean_over(b, std::span(&node, 1), quantity);
 }
 
+std::vector<double> ExplicitModel::reactions() const {
+  std::vector<double> result(inverse_mass_.size(), 0.0);
+  for (std::size_t b = 0; b < meshes_.size(); ++b) {
+    const Vec3 gravity = setup_.bodies[b].gravity ? setup_.gravity : Vec3{};
+    for (int i = 3 * layout_.first_owned[b]; i < 3 * layout_.first_owned[b + 1]; ++i) {
+      if (inverse_mass_[i] == 0) result[i] = inner_.data()[i] - external_[i] - mass_.data()[i] * gravity[i % 3];
+    }
+  }
+  return result;
+}
+
 Vec3 ExplicitModel::reaction(const std::string& body, const std::string& group) const {
   const int b = body_index(body);
-  const Vec3 gravity = setup_.bodies[b].gravity ? setup_.gravity : Vec3{};
+  const auto all = reactions();
   Vec3 total;
-  for (const int node : find_group(meshes_[b], setup_.bodies[b], setup_.bodies[b].origin, "probe.group", group).nodes) {
-    const int local = layout_.owned_node(b, node);
-    if (local < 0) continue;
-    for (int c = 0; c < 3; ++c) {
-      const int i = 3 * local + c;
-      if (inverse_mass_[i] == 0) total[c] += inner_.data()[i] - external_[i] - mass_.data()[i] * gravity[c];
-    }
+  const auto& nodes = find_group(meshes_[b], setup_.bodies[b], setup_.bodies[b].origin, "probe.group", group).nodes;
+  for (const int local : layout_.owned_nodes(b, nodes)) {
+    for (int c = 0; c < 3; ++c) total[c] += all[3 * static_cast<std::size_t>(local) + c];
   }
   sum(layout_.comm, &total.x, 3);
   return total;
@@ -180,7 +187,8 @@ void ExplicitModel::write(const std::string& directory, double time) {
   displacement_.end_to_ghosts();
   velocity_.begin_to_ghosts();
   velocity_.end_to_ghosts();
-  output_->write(directory, {time, shown, displacement_, velocity_});
+  const auto supported = reactions();
+  output_->write(directory, {time, shown, displacement_, velocity_, &acceleration_, &supported});
 }
 
 std::vector<BodyModes> ExplicitModel::find_modes(int count) {

@@ -10,6 +10,7 @@
 #include "fem/faces.hpp"
 #include "fem/families.hpp"
 #include "fem/newton.hpp"
+#include "fem/periodic.hpp"
 #include "fem/stable_step.hpp"
 
 namespace fem {
@@ -23,24 +24,11 @@ std::vector<Mesh> read_meshes(MPI_Comm comm, const Setup& setup) {
                        message_head(body.origin, body.name) + "there are two bodies of this name");
   }
   std::vector<Mesh> meshes;
-  for (const auto& body : setup.bodies) meshes.push_back(read_mesh(comm, body));
+  for (const auto& body : setup.bodies) {
+    meshes.push_back(read_mesh(comm, body));
+    meshes.back().shared = tie_periodic_faces(meshes.back(), body);
+  }
   return meshes;
-}
-
-/// Per node of a body: which components its supports hold or its motions lead.
-std::vector<std::array<bool, 3>> held_components(const Mesh& mesh, const Body& body) {
-  std::vector<std::array<bool, 3>> held(mesh.nodes.size(), {false, false, false});
-  for (const auto& support : body.supports) {
-    for (const int node : find_group(mesh, body, support.origin, "support.group", support.group).nodes) {
-      for (int c = 0; c < 3; ++c) held[node][c] = held[node][c] || support.fixed[c];
-    }
-  }
-  for (const auto& motion : body.motions) {
-    for (const int node : find_group(mesh, body, motion.origin, "motion.group", motion.group).nodes) {
-      for (int c = 0; c < 3; ++c) held[node][c] = held[node][c] || motion.along[c];
-    }
-  }
-  return held;
 }
 
 /// Force [N] of each node of the mesh when the load's history is 1.
@@ -88,7 +76,32 @@ Setup with_stiffness_damping(Setup setup) {
   return setup;
 }
 
+using Components = std::vector<std::array<bool, 3>>;
+
+void mark(const Mesh& mesh, const Group& group, const std::array<bool, 3>& along, Components& marked) {
+  for (const int node : group.nodes) {
+    auto& of = marked[mesh.unknown_of(node)];
+    for (int c = 0; c < 3; ++c) of[c] = of[c] || along[c];
+  }
+  for (int node = 0; node < static_cast<int>(marked.size()); ++node) marked[node] = marked[mesh.unknown_of(node)];
+}
+
+/// Per node of a body: which components its supports hold or its motions lead.
+Components given_components(const Mesh& mesh, const Body& body) {
+  auto given = held_components(mesh, body);
+  for (const auto& motion : body.motions)
+    mark(mesh, find_group(mesh, body, motion.origin, "motion.group", motion.group), motion.along, given);
+  return given;
+}
+
 }  // namespace
+
+Components held_components(const Mesh& mesh, const Body& body) {
+  Components held(mesh.nodes.size(), {false, false, false});
+  for (const auto& support : body.supports)
+    mark(mesh, find_group(mesh, body, support.origin, "support.group", support.group), support.fixed, held);
+  return held;
+}
 
 ExplicitModel::ExplicitModel(MPI_Comm comm, const Setup& setup)
     : setup_(with_stiffness_damping(setup)),
@@ -134,7 +147,7 @@ void ExplicitModel::prepare_solver() {
   if (solver.kind == Solver::explicit_steps && !solver.start_in_equilibrium) return;
   tangent_ = std::make_unique<Tangent>(meshes_, layout_, assembly_, inverse_mass_);
   for (std::size_t b = 0; b < meshes_.size(); ++b)
-    mechanisms_.push_back(find_mechanisms(meshes_[b], held_components(meshes_[b], setup_.bodies[b])));
+    mechanisms_.push_back(find_mechanisms(meshes_[b], given_components(meshes_[b], setup_.bodies[b])));
   if (solver.kind == Solver::statics || solver.start_in_equilibrium) refuse_mechanisms();
 }
 
@@ -187,7 +200,7 @@ void ExplicitModel::apply_supports() {
 void ExplicitModel::make_loads() {
   for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {
     const Body& body = setup_.bodies[b];
-    const auto held = held_components(meshes_[b], body);
+    const auto held = given_components(meshes_[b], body);
     for (const auto& load : body.loads) {
       base::require_internal(load.history != nullptr, "a load without a history");
       NodalLoad made{load, {}, 0};

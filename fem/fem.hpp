@@ -83,6 +83,12 @@ struct AbsorbingBoundary {
   Origin origin;
 };
 
+/// Two surfaces that are one: what leaves the body at the first comes in at the second (periodic.hpp).
+struct PeriodicFaces {
+  std::string first, second;  // physical surfaces, alike but for a shift
+  Origin origin;
+};
+
 struct Body {
   std::string name;
   std::string mesh_file;                          // .geo (meshed through gmsh's API) or .msh
@@ -96,6 +102,7 @@ struct Body {
   std::vector<Load> loads;
   std::vector<PrescribedMotion> motions;
   std::vector<AbsorbingBoundary> absorbing;
+  std::vector<PeriodicFaces> periodic;
   double stiffness_damping = 0;   // [s] beta: viscosity beta mu (shear), beta K (bulk) beside the law's own
   std::vector<std::string> skin;  // physical surfaces that grains can touch; empty: none
   Origin origin;
@@ -195,8 +202,8 @@ class Model {
   virtual double load_value(const std::string& name) const = 0;
   /// Displacement zero for output and probes from here on (the state itself is untouched).
   virtual void set_displacement_zero() = 0;
-  /// Appends one time level to DIR/<body>.pvd and writes DIR/<body>/<body>_NNNN.vtu (displacement, velocity, cell
-  /// stress, von Mises, material region) for every body. Throws base::MachineError when the disk fails.
+  /// Appends one time level to DIR/<body>.pvd and writes DIR/<body>/<body>_NNNN.vtu for every body (output.hpp). Throws
+  /// base::MachineError when the disk fails.
   virtual void write(const std::string& directory, double time) = 0;
 
   // ---- modal models

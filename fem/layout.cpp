@@ -101,6 +101,11 @@ Layout::Layout(MPI_Comm communicator, const std::vector<Mesh>& meshes) : comm(co
   first_node.assign(1, 0);
   for (const auto& mesh : meshes) first_node.push_back(first_node.back() + static_cast<int>(mesh.nodes.size()));
 
+  for (std::size_t b = 0; b < meshes.size(); ++b) {
+    for (int node = 0; node < static_cast<int>(meshes[b].nodes.size()); ++node)
+      unknown_of_global.push_back(first_node[b] + meshes[b].unknown_of(node));
+  }
+
   auto items = sorted_items(meshes);
   std::vector<Item*> pointers;
   for (auto& item : items) pointers.push_back(&item);
@@ -111,26 +116,35 @@ Layout::Layout(MPI_Comm communicator, const std::vector<Mesh>& meshes) : comm(co
     const Mesh& mesh = meshes[item.body];
     for (int a = 0; a < mesh.element_nodes; ++a) call(first_node[item.body] + mesh.element(item.element)[a]);
   };
-  for (const auto& item : items) each_node(item, [&](int node) { owner[node] = std::min(owner[node], item.rank); });
+  for (const auto& item : items) {
+    each_node(item, [&](int node) {
+      int& of = owner[unknown_of_global[node]];
+      of = std::min(of, item.rank);
+    });
+  }
 
   std::vector<int> next(ranks + 1, 0);  // next free petsc number of each rank
-  for (const int r : owner) ++next[r + 1];
+  for (int node = 0; node < global_count(); ++node) {
+    if (unknown_of_global[node] == node) ++next[owner[node] + 1];
+  }
   std::partial_sum(next.begin(), next.end(), next.begin());
   const int first_petsc = next[rank];
   owned = next[rank + 1] - next[rank];
   petsc_of_global.assign(global_count(), -1);
   for (const auto& item : items) {
     each_node(item, [&](int node) {
-      if (owner[node] == item.rank && petsc_of_global[node] < 0) petsc_of_global[node] = next[item.rank]++;
+      int& number = petsc_of_global[unknown_of_global[node]];
+      if (owner[unknown_of_global[node]] == item.rank && number < 0) number = next[item.rank]++;
     });
   }
+  for (int node = 0; node < global_count(); ++node) petsc_of_global[node] = petsc_of_global[unknown_of_global[node]];
 
   local_of_global.assign(global_count(), -1);
   global_of_local.assign(owned, -1);
   elements.resize(bodies);
   std::vector<int> ghost_nodes;
   for (int node = 0; node < global_count(); ++node) {
-    if (owner[node] != rank) continue;
+    if (owner[node] != rank || unknown_of_global[node] != node) continue;
     local_of_global[node] = petsc_of_global[node] - first_petsc;
     global_of_local[local_of_global[node]] = node;
   }
@@ -138,10 +152,10 @@ Layout::Layout(MPI_Comm communicator, const std::vector<Mesh>& meshes) : comm(co
     if (item.rank != rank) continue;
     elements[item.body].push_back(item.element);
     each_node(item, [&](int node) {
-      if (owner[node] != rank) ghost_nodes.push_back(node);
+      if (owner[node] != rank || unknown_of_global[node] != node) ghost_nodes.push_back(node);
     });
   }
-  std::ranges::sort(ghost_nodes, {}, [&](int node) { return petsc_of_global[node]; });
+  std::ranges::sort(ghost_nodes, {}, [&](int node) { return std::pair{petsc_of_global[node], node}; });
   ghost_nodes.erase(std::unique(ghost_nodes.begin(), ghost_nodes.end()), ghost_nodes.end());
   for (const int node : ghost_nodes) {
     local_of_global[node] = local_count();
@@ -154,6 +168,16 @@ Layout::Layout(MPI_Comm communicator, const std::vector<Mesh>& meshes) : comm(co
     ++first_owned[body];
   }
   std::partial_sum(first_owned.begin(), first_owned.end(), first_owned.begin());
+}
+
+std::vector<int> Layout::owned_nodes(int body, std::span<const int> nodes) const {
+  std::vector<int> result;
+  for (const int node : nodes) {
+    if (const int local = owned_node(body, node); local >= 0) result.push_back(local);
+  }
+  std::ranges::sort(result);
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
 }
 
 }  // namespace fem

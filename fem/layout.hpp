@@ -5,8 +5,10 @@
 //   global  bodies one after another, as in their meshes; the same for every number of ranks
 //   petsc   global numbers sorted by owner: what PETSc's vectors use
 //   local   on one rank: its own nodes, body by body, in the order in which its elements meet them; then ghosts
+// A node that shares another's unknowns (periodic.hpp) has that one's petsc number, and is a ghost wherever it is.
 #include <mpi.h>
 
+#include <span>
 #include <vector>
 
 #include "fem/mesh.hpp"
@@ -18,7 +20,8 @@ struct Layout {
 
   MPI_Comm comm;
   int rank = 0, ranks = 1;
-  std::vector<int> first_node;  // global number of each body's first node; one more at the end
+  std::vector<int> first_node;         // global number of each body's first node; one more at the end
+  std::vector<int> unknown_of_global;  // global number of the node whose unknowns it has: mostly its own
   std::vector<int> petsc_of_global;
   int owned = 0;                           // nodes of this rank
   std::vector<int> ghosts;                 // petsc numbers, rising
@@ -29,11 +32,13 @@ struct Layout {
 
   int local_count() const { return static_cast<int>(global_of_local.size()); }
   int global_count() const { return first_node.back(); }
-  /// Local number of a body's node if this rank owns it, else -1.
+  /// Local number of a body's node, or of that whose unknowns it shares, if this rank owns it, else -1.
   int owned_node(int body, int node) const {
-    const int local = local_of_global[first_node[body] + node];
+    const int local = local_of_global[unknown_of_global[first_node[body] + node]];
     return local < owned ? local : -1;
   }
+  /// The same of several nodes, those that are owned, each once, rising.
+  std::vector<int> owned_nodes(int body, std::span<const int> nodes) const;
 };
 
 }  // namespace fem

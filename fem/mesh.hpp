@@ -24,7 +24,9 @@ struct Mesh {
   std::vector<int> elements;  // element_nodes each
   std::vector<int> regions;   // per element: which of Body::materials
   std::map<std::string, Group> groups;
+  std::vector<int> shared;  // per node: whose unknowns it shares (periodic.hpp); empty: each has its own
 
+  int unknown_of(int node) const { return shared.empty() ? node : shared[node]; }
   int element_count() const { return static_cast<int>(regions.size()); }
   const int* element(int e) const { return elements.data() + static_cast<std::size_t>(e) * element_nodes; }
   Vec3 centre(int e) const;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <vtkCellData.h>
+#include <vtkCellDataToPointData.h>
 #include <vtkCellType.h>
 #include <vtkDoubleArray.h>
 #include <vtkIntArray.h>
@@ -40,6 +41,13 @@ vtkSmartPointer<vtkDoubleArray> array(const char* name, int components, vtkIdTyp
   result->SetName(name);
   result->SetNumberOfComponents(components);
   result->SetNumberOfTuples(tuples);
+  return result;
+}
+
+vtkSmartPointer<vtkDoubleArray> stress_array(const char* name, vtkIdType tuples) {
+  constexpr const char* components[6] = {"xx", "yy", "zz", "xy", "yz", "xz"};
+  auto result = array(name, 6, tuples);
+  for (int c = 0; c < 6; ++c) result->SetComponentName(c, components[c]);
   return result;
 }
 
@@ -101,11 +109,9 @@ struct Output::Impl {
 
   /// `plastic` is empty where no law of the body knows plastic strain.
   void set_cells(int b, const std::vector<double>& stresses, const std::vector<double>& plastic) {
-    constexpr const char* components[6] = {"xx", "yy", "zz", "xy", "yz", "xz"};
-    auto stress = array("stress", 6, meshes[b].element_count()),
+    auto stress = stress_array("stress", meshes[b].element_count()),
          mises = array("von_mises", 1, meshes[b].element_count()),
          principals = array("principal_stress", 3, meshes[b].element_count());
-    for (int c = 0; c < 6; ++c) stress->SetComponentName(c, components[c]);
     for (std::size_t i = 0; i < elements[b].size(); ++i) {
       stress->SetTuple(elements[b][i], stresses.data() + 6 * i);
       std::array<double, 6> values;
@@ -121,6 +127,27 @@ struct Output::Impl {
     auto strain = array("plastic_strain", 1, meshes[b].element_count());
     for (std::size_t i = 0; i < elements[b].size(); ++i) strain->SetValue(elements[b][i], plastic[i]);
     grids[b]->GetCellData()->AddArray(strain);
+  }
+
+  /// Stress at nodes: the mean of the elements around each.
+  void smooth(int b) {
+    vtkNew<vtkCellDataToPointData> mean;
+    mean->SetInputData(grids[b]);
+    mean->ProcessAllArraysOff();
+    mean->AddCellDataArray("stress");
+    mean->Update();
+    vtkDataArray* means = mean->GetOutput()->GetPointData()->GetArray("stress");
+    const vtkIdType nodes = means->GetNumberOfTuples();
+    auto stress = stress_array("nodal_stress", nodes), mises = array("nodal_von_mises", 1, nodes),
+         principals = array("nodal_principal_stress", 3, nodes);
+    for (vtkIdType i = 0; i < nodes; ++i) {
+      std::array<double, 6> values;
+      means->GetTuple(i, values.data());
+      stress->SetTuple(i, values.data());
+      mises->SetValue(i, von_mises(values));
+      principals->SetTuple(i, principal(values).data());
+    }
+    for (const auto& data : {stress, mises, principals}) grids[b]->GetPointData()->AddArray(data);
   }
 
   void write_file(int b, const std::string& directory, double time) {
@@ -153,8 +180,13 @@ void Output::write(const std::string& directory, const Frame& frame) {
   const Layout& layout = impl.layout;
   if (impl.elements.empty()) impl.start();
   const auto displacement = gathered<double>(layout, frame.displacement, MPI_DOUBLE);
-  const auto velocity = gathered<double>(
-      layout, {frame.velocity.data(), static_cast<std::size_t>(frame.velocity.owned_size())}, MPI_DOUBLE);
+  const auto of_field = [&](const NodalField& field) {
+    return gathered<double>(layout, {field.data(), static_cast<std::size_t>(field.owned_size())}, MPI_DOUBLE);
+  };
+  const auto velocity = of_field(frame.velocity);
+  std::vector<double> acceleration, reactions;
+  if (frame.acceleration) acceleration = of_field(*frame.acceleration);
+  if (frame.reactions) reactions = gathered<double>(layout, *frame.reactions, MPI_DOUBLE);
   std::vector<std::vector<double>> stresses, plastic;
   for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
     const auto own = impl.assembly.stresses(b, frame.strained, &frame.velocity);
@@ -168,7 +200,10 @@ void Output::write(const std::string& directory, const Frame& frame) {
     for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
       impl.set_points(b, "displacement", displacement);
       impl.set_points(b, "velocity", velocity);
+      if (frame.acceleration) impl.set_points(b, "acceleration", acceleration);
+      if (frame.reactions) impl.set_points(b, "reaction", reactions);
       impl.set_cells(b, stresses[b], plastic[b]);
+      impl.smooth(b);
       impl.write_file(b, directory, frame.time);
     }
   });

@@ -1,5 +1,8 @@
 #pragma once
-// Pictures of the bodies for ParaView, written by the first rank: DIR/<body>.pvd and DIR/<body>/<body>_NNNN.vtu.
+// Pictures of the bodies for ParaView, written by the first rank: DIR/<body>.pvd and DIR/<body>/<body>_NNNN.vtu. Of
+// nodes: displacement, velocity, acceleration, reaction (of supports and motions), nodal_stress (mean of the elements
+// around the node) and the nodal_von_mises and nodal_principal_stress that follow from it. Of elements: mean stress,
+// von_mises, principal_stress, plastic_strain where the law knows it, and region, the number of the material.
 #include <memory>
 #include <span>
 #include <string>
@@ -10,9 +13,11 @@
 namespace fem {
 
 struct Frame {
-  double time;                            // [s]
-  std::span<const double> displacement;   // [m] shown; owned components
-  const NodalField &strained, &velocity;  // [m] [m/s] that stresses follow from; ghosts up to date
+  double time;                                     // [s]
+  std::span<const double> displacement;            // [m] shown; owned components
+  const NodalField &strained, &velocity;           // [m] [m/s] that stresses follow from; ghosts up to date
+  const NodalField* acceleration = nullptr;        // [m/s2] null: left out
+  const std::vector<double>* reactions = nullptr;  // [N] owned components; null: left out
 };
 
 class Output {

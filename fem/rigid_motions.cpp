@@ -31,6 +31,10 @@ std::vector<int> parts_of(const Mesh& mesh) {
       root[std::max(i, j)] = std::min(i, j);
     }
   }
+  for (int node = 0; node < static_cast<int>(root.size()); ++node) {
+    const int i = find(node), j = find(mesh.unknown_of(node));
+    root[std::max(i, j)] = std::min(i, j);
+  }
   std::vector<int> part(root.size());
   int count = 0;
   for (int node = 0; node < static_cast<int>(root.size()); ++node)
@@ -77,12 +81,16 @@ Mechanisms find_mechanisms(const Mesh& mesh, const std::vector<std::array<bool, 
   }
   std::vector<SixBySix> gram(parts, SixBySix::Zero());
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-    const int p = result.part_of_node[i];
+    const int p = result.part_of_node[i], other = mesh.unknown_of(static_cast<int>(i));
+    const auto motion = [&](int k, const Vec3& x) {
+      return rigid_motion(k, x - centre[p]) * (k < 3 ? 1 : 1 / size[p]);
+    };
     for (int c = 0; c < 3; ++c) {
-      if (!held[i][c]) continue;
       Six row;
-      for (int k = 0; k < 6; ++k) row[k] = rigid_motion(k, mesh.nodes[i] - centre[p])[c] / (k < 3 ? 1 : size[p]);
-      gram[p] += row * row.transpose();
+      for (int k = 0; k < 6; ++k) row[k] = motion(k, mesh.nodes[i])[c];
+      if (held[i][c]) gram[p] += row * row.transpose();
+      for (int k = 0; k < 6; ++k) row[k] -= motion(k, mesh.nodes[other])[c];
+      gram[p] += row * row.transpose();  // nought unless the node shares the other's motion
     }
   }
   for (int p = 0; p < parts; ++p) {

@@ -4,6 +4,7 @@
 //   u(x) = t + w x (x - c);  a motion is free when u has no component that a support holds, at no node
 // It is looked for part by part (a mesh may fall into parts that share no node) as the null space of
 // G = sum over held components of r r^T, r the row of the six motions there, rotations scaled by the part's size.
+// Nodes that share their unknowns (periodic.hpp) add the difference of their rows: it must be nought too.
 #include <array>
 #include <string>
 #include <vector>

@@ -28,7 +28,7 @@ Neighbours count_neighbours(const std::vector<Mesh>& meshes, const Layout& layou
       for (const int node : nodes) {
         const int local = layout.owned_node(static_cast<int>(b), node);
         if (local < 0) continue;
-        for (const int other : nodes) of[local].push_back(first + other);
+        for (const int other : nodes) of[local].push_back(layout.unknown_of_global[first + other]);
       }
     }
   }

@@ -52,6 +52,19 @@ TEST(Results, FrequencyOfAnOffsetWave) {
   EXPECT_NEAR(take("frequency", w.time, w.values, w.values), 27.21, 27.21e-5);
 }
 
+TEST(Results, DecayOfASwingAboutAnyPlace) {
+  // A code that takes heights above zero instead of ways between turns is misled by the offset; one that goes down to
+  // the noise, by the noise.
+  std::vector<double> time, values;
+  for (int i = 0; i <= 4000; ++i) {
+    time.push_back(i * 1e-4);
+    values.push_back(3 + std::exp(-50 * time.back()) * std::cos(2 * std::numbers::pi * 100 * time.back()) +
+                     1e-9 * (i % 2));
+  }
+  EXPECT_NEAR(take("decay", time, values, values), 50, 0.01);
+  EXPECT_TRUE(std::isnan(take("decay", {time.data(), 40}, {values.data(), 40}, values)));  // no turn yet
+}
+
 TEST(Results, FirstPeakIsNotTheLargest) {
   // Two swings, the second one larger; "max" would give 3.
   const std::vector<double> time{0, 1, 2, 3, 4, 5, 6}, values{0, 1.9, 2, 1.8, 0.1, 3, 0};

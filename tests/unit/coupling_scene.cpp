@@ -201,6 +201,9 @@ name = "foot"
 group = "z_max"
 kind = "pressure"
 history = { kind = "constant", value = "5 kPa" }
+[[body.periodic]]
+first = "y_min"
+second = "y_max"
 )";
 
 TEST_F(SceneFile, LawsMotionsAndAbsorbingSides) {
@@ -222,6 +225,8 @@ TEST_F(SceneFile, LawsMotionsAndAbsorbingSides) {
   EXPECT_EQ(read_body.absorbing.at(0).group, "x_max");
   EXPECT_EQ(read_body.absorbing.at(0).origin, "a.toml:24");
   EXPECT_EQ(read_body.loads.at(0).kind, fem::LoadKind::pressure);
+  EXPECT_EQ(read_body.periodic.at(0).first, "y_min");
+  EXPECT_EQ(read_body.periodic.at(0).second, "y_max");
 }
 
 TEST_F(SceneFile, LawAndMotionMistakes) {

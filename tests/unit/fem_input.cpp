@@ -219,6 +219,20 @@ TEST(FemInput, BoundariesThatCannotBe) {
   expect_message(body, {"stiffness_damping = -1; must be >= 0 s"});
 }
 
+TEST(FemInput, PeriodicFacesThatDoNotFit) {
+  auto body = box("hex8", {});
+  body.periodic = {{"x_min", "z_max", "scene.toml:9"}};
+  expect_message(body, {"scene.toml:9: body \"box\": node ",
+                        " of periodic.second = \"z_max\" at (1, -0.5, 0.5) m has no partner at (1, -0.5, -0.5) m in "
+                        "\"x_min\"; mesh both faces alike"});
+  body.periodic = {{"x_min", "x_min", ""}};
+  expect_message(body, {"periodic.second = \"x_min\" lies where periodic.first = \"x_min\" does"});
+  body.periodic = {{"x_min", "solid", ""}};
+  expect_message(body, {"periodic.second = \"solid\" is not an outer surface of the body"});
+  body.periodic = {{"left", "x_max", ""}};
+  expect_message(body, {"periodic.first = \"left\"; the mesh has no such physical group; it has: "});
+}
+
 TEST(FemInput, LoadOnAHeldGroup) {
   auto body = box("hex8", {});
   body.supports = {{"x_min", {true, true, true}, "scene.toml:9"}};
