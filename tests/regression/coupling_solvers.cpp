@@ -71,6 +71,29 @@ TEST(Solvers, CantileverInEquilibrium) {
   EXPECT_NEAR(reaction[2], 200, 1e-6);
 }
 
+// A block that falls: every node of the picture has the acceleration of gravity, on two ranks too, and no reaction.
+TEST(Solvers, PictureOfAFall) {
+  const fs::path file = scratch() / "fall.toml", out = scratch() / "fall";
+  std::ofstream(file) << "gravity = [1, -2, -9.81]\n[[body]]\nname = \"block\"\nmesh = \"" << TRACKBED_SOURCE_FOLDER
+                      << "/meshes/box.geo\"\nmesh_parameters = { cells_x = 6, cells_y = 2, cells_z = 2 }\n"
+                         "[[body.material]]\nyoung_modulus = 1e9\npoisson_ratio = 0.2\ndensity = 2000\n"
+                         "[[stage]]\nname = \"fall\"\nduration = 1e-2\n";
+  const auto finished = trackbed("run " + file.string() + " --out " + out.string(), 2);
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  const auto grid = picture(out / "block" / "block_0001.vtu");
+  auto* const acceleration = grid->GetPointData()->GetArray("acceleration");
+  auto* const reaction = grid->GetPointData()->GetArray("reaction");
+  ASSERT_TRUE(acceleration && reaction);
+  ASSERT_EQ(grid->GetNumberOfPoints(), 63);
+  constexpr std::array gravity{1.0, -2.0, -9.81};
+  for (vtkIdType i = 0; i < grid->GetNumberOfPoints(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(acceleration->GetComponent(i, c), gravity[c], 1e-8);
+      EXPECT_EQ(reaction->GetComponent(i, c), 0);
+    }
+  }
+}
+
 // The box's bending against Timoshenko's beam: 0.5 %.
 TEST(Solvers, SleeperModes) {
   const fs::path out = scratch() / "sleeper_modes";
