@@ -219,34 +219,69 @@ void ExplicitModel::make_loads() {
   }
 }
 
+namespace {
+
+struct SkinFacet {
+  std::array<int, 4> nodes;  // of the mesh; the last may be -1
+  Vec3 offset;               // [m] of its place from theirs
+};
+
+std::vector<SkinFacet> skin_facets(const Mesh& mesh, const Body& body) {
+  std::vector<SkinFacet> facets;
+  for (const auto& name : body.skin) {
+    const Group& group = find_group(mesh, body, body.origin, "skin", name);
+    base::require_user(
+        !group.facets.empty() && group.outside,
+        fmt::format("{}skin = \"{}\" is not an outer surface of the body; a skin needs physical surfaces "
+                    "with the body on one side",
+                    message_head(body.origin, body.name), name));
+    for (const auto& facet : group.facets) {
+      for (const auto& part : plane_parts(facet)) facets.push_back({part, {}});
+    }
+  }
+  // Beyond periodic faces the skin goes on by a facet: grains that cross there keep it under them.
+  for (const auto& faces : body.periodic) {
+    const Vec3 shift = shift_of(mesh, body, faces);
+    const std::size_t count = facets.size();
+    for (const auto& [name, way] : {std::pair{faces.first, shift}, std::pair{faces.second, -shift}}) {
+      const auto& seam = find_group(mesh, body, faces.origin, "periodic", name).nodes;  // rising
+      for (std::size_t f = 0; f < count; ++f) {
+        const SkinFacet facet = facets[f];
+        if (std::ranges::any_of(facet.nodes, [&](int node) { return std::ranges::binary_search(seam, node); }))
+          facets.push_back({facet.nodes, facet.offset + way});
+      }
+    }
+  }
+  return facets;
+}
+
+}  // namespace
+
 void ExplicitModel::make_skins() {
   for (int b = 0; b < static_cast<int>(meshes_.size()); ++b) {
     const Body& body = setup_.bodies[b];
+    const Mesh& mesh = meshes_[b];
     if (body.skin.empty()) continue;
     base::Skin skin{body.name, {}, {}};
     Contact contact;
-    std::map<int, int> numbers;  // node of the mesh: node of the skin
-    for (const auto& name : body.skin) {
-      const Group& group = find_group(meshes_[b], body, body.origin, "skin", name);
-      base::require_user(
-          !group.facets.empty() && group.outside,
-          fmt::format("{}skin = \"{}\" is not an outer surface of the body; a skin needs physical surfaces "
-                      "with the body on one side",
-                      message_head(body.origin, body.name), name));
-      for (const auto& facet : group.facets) {
-        for (const auto& part : plane_parts(facet)) {
-          auto& numbered = skin.facets.emplace_back(std::array<int, 4>{-1, -1, -1, -1});
-          for (int a = 0; a < (part[3] < 0 ? 3 : 4); ++a) {
-            const auto [place, fresh] = numbers.try_emplace(part[a], static_cast<int>(skin.nodes.size()));
-            numbered[a] = place->second;
-            if (!fresh) continue;
-            skin.nodes.push_back(meshes_[b].nodes[part[a]]);
-            if (const int local = layout_.owned_node(b, part[a]); local >= 0) {
-              contact.skin_nodes.push_back(place->second);
-              contact.nodes.push_back(local);
-              contact.places.push_back(skin.nodes.back());
-            }
-          }
+    std::map<int, std::vector<int>> numbers;  // unknown of the mesh: its nodes of the skin, one unless it is periodic
+    for (const auto& facet : skin_facets(mesh, body)) {
+      auto& numbered = skin.facets.emplace_back(std::array<int, 4>{-1, -1, -1, -1});
+      for (int a = 0; a < (facet.nodes[3] < 0 ? 3 : 4); ++a) {
+        const int node = facet.nodes[a];
+        const Vec3 place = mesh.nodes[node] + facet.offset;
+        auto& known = numbers[mesh.unknown_of(node)];
+        const double near = 1e-3 * base::norm(mesh.nodes[facet.nodes[(a + 1) % 3]] - mesh.nodes[facet.nodes[a % 3]]);
+        const auto there =
+            std::ranges::find_if(known, [&](int number) { return base::norm(skin.nodes[number] - place) <= near; });
+        numbered[a] = there != known.end() ? *there : static_cast<int>(skin.nodes.size());
+        if (there != known.end()) continue;
+        known.push_back(numbered[a]);
+        skin.nodes.push_back(place);
+        if (const int local = layout_.owned_node(b, node); local >= 0) {
+          contact.skin_nodes.push_back(numbered[a]);
+          contact.nodes.push_back(local);
+          contact.places.push_back(place);
         }
       }
     }

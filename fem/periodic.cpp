@@ -89,6 +89,10 @@ Faces find_faces(const Mesh& mesh, const Body& body, const PeriodicFaces& faces)
 
 }  // namespace
 
+Vec3 shift_of(const Mesh& mesh, const Body& body, const PeriodicFaces& faces) {
+  return find_faces(mesh, body, faces).shift;
+}
+
 std::vector<int> tie_periodic_faces(const Mesh& mesh, const Body& body) {
   if (body.periodic.empty()) return {};
   std::vector<int> root(mesh.nodes.size());
