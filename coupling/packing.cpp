@@ -100,6 +100,7 @@ void judge(const Packing& packing, const PackingReport& report) {
 dem::Interaction while_packing(const dem::Interaction& between, const Packing& packing) {
   dem::Interaction smooth = between;
   smooth.friction = std::min(between.friction, packing.friction);
+  smooth.friction_exponent = 0;
   smooth.rolling_friction = std::min(between.rolling_friction, packing.rolling_friction);
   return smooth;
 }

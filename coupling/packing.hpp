@@ -32,7 +32,7 @@ struct PackingReport {
 /// not look at that number.
 std::vector<dem::Grain> pack(const Scene&, const std::vector<base::Skin>& skins, dem::Backend, PackingReport&);
 
-/// The interaction with the frictions of the packing, where they are the lower ones.
+/// The interaction with the frictions of the packing, where they are the lower ones; they do not fall with stress.
 dem::Interaction while_packing(const dem::Interaction&, const Packing&);
 
 /// Methods, target and regions of a packing, for `trackbed check`.

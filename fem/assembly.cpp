@@ -89,6 +89,12 @@ std::vector<Assembly::BlockOfBody> Assembly::blocks() const {
   return all;
 }
 
+void Assembly::forget_masses() {
+  for (auto* parts : {&interior_, &border_}) {
+    for (auto& part : *parts) part.block->forget_masses();
+  }
+}
+
 void Assembly::lumped_mass(NodalField& mass) const {
   std::vector<double> nodal(mass.local_size() / 3, 0.0);
   for (const auto* parts : {&interior_, &border_}) {

@@ -26,6 +26,8 @@ class Assembly {
   Losses advance(NodalField& displacements, NodalField& velocities, NodalField& forces);
   bool viscous() const { return viscous_; }
   bool keeps_history() const { return keeps_history_; }
+  /// Frees what only lumped_mass() and limiter() read; they may not be called after.
+  void forget_masses();
   struct BlockOfBody {
     int body;
     const ElementBlock* block;

@@ -78,6 +78,8 @@ class ElementBlock {
   virtual double stored(const double* displacements) const = 0;
   /// Largest accumulated plastic strain [-] of every element's points; 0 where the law knows none.
   virtual void plastic_strains(std::vector<double>& result) const = 0;
+  /// Frees what only add_lumped_mass() and largest_element_eigenvalue() read; they may not be called after.
+  void forget_masses() { node_volume_ = {}; }
   /// Adds each element's lumped mass [kg] to its nodes.
   void add_lumped_mass(double* nodal_mass) const;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/memory.hpp"
 #include "fem/communication.hpp"
 #include "fem/explicit_model.hpp"
 #include "fem/faces.hpp"
@@ -133,6 +134,8 @@ ExplicitModel::ExplicitModel(MPI_Comm comm, const Setup& setup)
   if (layout_.rank != 0) {
     for (auto& mesh : meshes_) mesh.elements = {};
   }
+  assembly_.forget_masses();
+  base::release_memory();
   if (setup_.solver.start_in_equilibrium) start_in_equilibrium();
   start_accelerations();
   reset_energy();

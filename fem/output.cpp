@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <map>
 
+#include "base/memory.hpp"
 #include "base/pvd.hpp"
 #include "fem/communication.hpp"
 #include "fem/families.hpp"
@@ -51,6 +52,8 @@ vtkSmartPointer<vtkDoubleArray> stress_array(const char* name, vtkIdType tuples)
   return result;
 }
 
+using Grid = vtkSmartPointer<vtkUnstructuredGrid>;
+
 /// VTK's cells and the order in which they take gmsh's nodes.
 struct CellKind {
   int nodes, type;
@@ -69,46 +72,47 @@ struct Output::Impl {
   const std::vector<Mesh>& meshes;
   const Layout& layout;
   const Assembly& assembly;
-  std::vector<vtkSmartPointer<vtkUnstructuredGrid>> grids;  // per body, on the first rank, from the first picture on
-  std::vector<std::vector<int>> elements;                   // per body: in the order in which stresses are gathered
+  std::vector<std::vector<int>> elements;  // per body: in the order in which stresses are gathered; first rank
   std::map<std::string, std::pair<base::Pvd, int>> collections;  // per file: and its number of pictures
 
   void start() {
-    for (int b = 0; b < static_cast<int>(meshes.size()); ++b) {
-      const auto own = assembly.elements_of(b);
-      elements.push_back(gathered<int>(layout, own, MPI_INT));
-      if (layout.rank != 0) continue;
-      const Mesh& mesh = meshes[b];
-      vtkNew<vtkPoints> points;
-      points->SetDataTypeToDouble();
-      for (const auto& node : mesh.nodes) points->InsertNextPoint(node.x, node.y, node.z);
-      auto& grid = grids.emplace_back(vtkSmartPointer<vtkUnstructuredGrid>::New());
-      grid->SetPoints(points);
-      grid->Allocate(mesh.element_count());
-      vtkNew<vtkIntArray> region;
-      region->SetName("region");
-      for (int e = 0; e < mesh.element_count(); ++e) {
-        const CellKind& kind = *std::ranges::find(cell_kinds, mesh.element_nodes, &CellKind::nodes);
-        vtkIdType nodes[20];
-        for (int a = 0; a < kind.nodes; ++a) nodes[a] = mesh.element(e)[kind.order[a]];
-        grid->InsertNextCell(kind.type, kind.nodes, nodes);
-        region->InsertNextValue(mesh.regions[e]);
-      }
-      grid->GetCellData()->AddArray(region);
-    }
+    for (int b = 0; b < static_cast<int>(meshes.size()); ++b)
+      elements.push_back(gathered<int>(layout, assembly.elements_of(b), MPI_INT));
   }
 
-  void set_points(int b, const char* name, const std::vector<double>& values) {
+  /// The body's cells; made for every picture, since between pictures they would be half of what a model needs.
+  Grid grid_of(int b) const {
+    const Mesh& mesh = meshes[b];
+    vtkNew<vtkPoints> points;
+    points->SetDataTypeToDouble();
+    for (const auto& node : mesh.nodes) points->InsertNextPoint(node.x, node.y, node.z);
+    auto grid = Grid::New();
+    grid->SetPoints(points);
+    grid->Allocate(mesh.element_count());
+    vtkNew<vtkIntArray> region;
+    region->SetName("region");
+    for (int e = 0; e < mesh.element_count(); ++e) {
+      const CellKind& kind = *std::ranges::find(cell_kinds, mesh.element_nodes, &CellKind::nodes);
+      vtkIdType nodes[20];
+      for (int a = 0; a < kind.nodes; ++a) nodes[a] = mesh.element(e)[kind.order[a]];
+      grid->InsertNextCell(kind.type, kind.nodes, nodes);
+      region->InsertNextValue(mesh.regions[e]);
+    }
+    grid->GetCellData()->AddArray(region);
+    return grid;
+  }
+
+  void set_points(Grid& grid, int b, const char* name, const std::vector<double>& values) {
     const auto nodes = static_cast<vtkIdType>(meshes[b].nodes.size());
     auto data = array(name, 3, nodes);
     for (vtkIdType i = 0; i < nodes; ++i) {
       data->SetTuple(i, values.data() + 3 * static_cast<std::size_t>(layout.petsc_of_global[layout.first_node[b] + i]));
     }
-    grids[b]->GetPointData()->AddArray(data);
+    grid->GetPointData()->AddArray(data);
   }
 
   /// `plastic` is empty where no law of the body knows plastic strain.
-  void set_cells(int b, const std::vector<double>& stresses, const std::vector<double>& plastic) {
+  void set_cells(Grid& grid, int b, const std::vector<double>& stresses, const std::vector<double>& plastic) {
     auto stress = stress_array("stress", meshes[b].element_count()),
          mises = array("von_mises", 1, meshes[b].element_count()),
          principals = array("principal_stress", 3, meshes[b].element_count());
@@ -120,19 +124,19 @@ struct Output::Impl {
       const auto values_principal = principal(values);
       principals->SetTuple(elements[b][i], values_principal.data());
     }
-    grids[b]->GetCellData()->AddArray(stress);
-    grids[b]->GetCellData()->AddArray(mises);
-    grids[b]->GetCellData()->AddArray(principals);
+    grid->GetCellData()->AddArray(stress);
+    grid->GetCellData()->AddArray(mises);
+    grid->GetCellData()->AddArray(principals);
     if (plastic.empty()) return;
     auto strain = array("plastic_strain", 1, meshes[b].element_count());
     for (std::size_t i = 0; i < elements[b].size(); ++i) strain->SetValue(elements[b][i], plastic[i]);
-    grids[b]->GetCellData()->AddArray(strain);
+    grid->GetCellData()->AddArray(strain);
   }
 
   /// Stress at nodes: the mean of the elements around each.
-  void smooth(int b) {
+  static void smooth(Grid& grid) {
     vtkNew<vtkCellDataToPointData> mean;
-    mean->SetInputData(grids[b]);
+    mean->SetInputData(grid);
     mean->ProcessAllArraysOff();
     mean->AddCellDataArray("stress");
     mean->Update();
@@ -147,10 +151,10 @@ struct Output::Impl {
       mises->SetValue(i, von_mises(values));
       principals->SetTuple(i, principal(values).data());
     }
-    for (const auto& data : {stress, mises, principals}) grids[b]->GetPointData()->AddArray(data);
+    for (const auto& data : {stress, mises, principals}) grid->GetPointData()->AddArray(data);
   }
 
-  void write_file(int b, const std::string& directory, double time) {
+  void write_file(const Grid& grid, int b, const std::string& directory, double time) {
     const std::string& name = setup.bodies[b].name;
     const auto folder = std::filesystem::path(directory) / name;
     const auto collection_file = std::filesystem::path(directory) / (name + ".pvd");
@@ -161,7 +165,7 @@ struct Output::Impl {
     const std::string file = fmt::format("{}_{:04d}.vtu", name, count++);
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
     writer->SetFileName((folder / file).c_str());
-    writer->SetInputData(grids[b]);
+    writer->SetInputData(grid);
     const bool written = !failure && writer->Write() == 1 && writer->GetErrorCode() == 0;
     if (!written) {
       throw base::MachineError("cannot write " + (folder / file).string() + ": is the disk full or read-only?");
@@ -171,7 +175,7 @@ struct Output::Impl {
 };
 
 Output::Output(const Setup& setup, const std::vector<Mesh>& meshes, const Layout& layout, const Assembly& assembly)
-    : impl_(std::make_unique<Impl>(Impl{setup, meshes, layout, assembly, {}, {}, {}})) {}
+    : impl_(std::make_unique<Impl>(Impl{setup, meshes, layout, assembly, {}, {}})) {}
 
 Output::~Output() = default;
 
@@ -198,15 +202,17 @@ void Output::write(const std::string& directory, const Frame& frame) {
   }
   on_first_rank(layout.comm, [&] {
     for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
-      impl.set_points(b, "displacement", displacement);
-      impl.set_points(b, "velocity", velocity);
-      if (frame.acceleration) impl.set_points(b, "acceleration", acceleration);
-      if (frame.reactions) impl.set_points(b, "reaction", reactions);
-      impl.set_cells(b, stresses[b], plastic[b]);
-      impl.smooth(b);
-      impl.write_file(b, directory, frame.time);
+      Grid grid = impl.grid_of(b);
+      impl.set_points(grid, b, "displacement", displacement);
+      impl.set_points(grid, b, "velocity", velocity);
+      if (frame.acceleration) impl.set_points(grid, b, "acceleration", acceleration);
+      if (frame.reactions) impl.set_points(grid, b, "reaction", reactions);
+      impl.set_cells(grid, b, stresses[b], plastic[b]);
+      Impl::smooth(grid);
+      impl.write_file(grid, b, directory, frame.time);
     }
   });
+  base::release_memory();
 }
 
 }  // namespace fem
