@@ -334,8 +334,9 @@ const Table& body_table() {
        base::vector("translation", "m", "added to every node").otherwise(Vec3{}),
        base::boolean("gravity", "false: starts in geostatic balance, its own weight is left out").otherwise(true),
        base::real("damping", "1/s", "mass-proportional damping -alpha m v").at_least(0).otherwise(0.0),
-       base::real("stiffness_damping", "s",
-                  "stiffness-proportional (Rayleigh) damping beta: viscosity beta mu and beta K; shortens explicit steps")
+       base::real(
+           "stiffness_damping", "s",
+           "stiffness-proportional (Rayleigh) damping beta: viscosity beta mu and beta K; shortens explicit steps")
            .at_least(0)
            .otherwise(0.0),
        base::texts("skin", "physical surfaces that grains can touch").otherwise_empty(),
@@ -519,6 +520,11 @@ const Table& output_table() {
       "what is written, how often",
       {base::real("interval", "s", "between pictures of the state; 0: only the last").at_least(0).otherwise(0.0),
        base::real("probe_interval", "s", "between rows of history.csv; 0: every window").at_least(0).otherwise(0.0),
+       base::real("checkpoint_interval", "s", "simulated time between checkpoints; 0: none").at_least(0).otherwise(0.0),
+       base::real("checkpoint_wall_time", "s",
+                  "wall time between checkpoints, as found with rows of history.csv; 0: none")
+           .at_least(0)
+           .otherwise(0.0),
        base::boolean("contacts", "write contacts.pvd (force chains) and contact_forces.csv").otherwise(false),
        base::reals("sieves", "m", "of sieve_curve.csv, the grains as the run starts with them")
            .above(0)

@@ -52,6 +52,10 @@ class ElementBlock {
   virtual double stored(const double* displacements) const = 0;
   /// Largest accumulated plastic strain [-] of every element's points; 0 where the law knows none.
   virtual void plastic_strains(std::vector<double>& result) const = 0;
+  /// What the law remembers, element by element; the same count of numbers for each.
+  int history_size() const;
+  void read_history(std::vector<double>& result) const;
+  void set_history(const double* values);
   /// Adds each element's lumped mass [kg] to its nodes.
   void add_lumped_mass(double* nodal_mass) const;
 

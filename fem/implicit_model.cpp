@@ -145,4 +145,28 @@ void ImplicitModel::reset_energy() {
   work_gravity_ = 0;
 }
 
+base::Columns ImplicitModel::save() const {
+  base::Columns columns = ExplicitModel::save();
+  base::Saver saver(columns);
+  saver.numbers("step", step_);
+  saver.rows("nodes/balanced", by_global_number(balanced_));
+  saver.rows("nodes/weight_balanced", by_global_number(weight_balanced_));
+  saver.rows("nodes/diagonal", by_global_number(newton_.diagonal()));
+  saver.rows("ranks/work_gravity", of_all_ranks(std::span(&work_gravity_, 1)));
+  if (layout_.rank != 0) columns.clear();
+  return columns;
+}
+
+void ImplicitModel::restore(const base::Columns& columns) {
+  ExplicitModel::restore(columns);
+  base::Loader(columns).numbers("step", step_);
+  take_owned(columns, "nodes/balanced", balanced_);
+  take_owned(columns, "nodes/weight_balanced", weight_balanced_);
+  std::vector<double> diagonal(balanced_.size());
+  take_owned(columns, "nodes/diagonal", diagonal);
+  newton_.set_diagonal(diagonal);
+  newton_.forget();
+  work_gravity_ = share_of_rank(columns, "ranks/work_gravity", 1)[0];
+}
+
 }  // namespace fem

@@ -26,6 +26,8 @@ class ImplicitModel final : public ExplicitModel {
   void set_damping(const std::string& body, double alpha) override;
   base::Energy energy() const override;
   void reset_energy() override;
+  base::Columns save() const override;
+  void restore(const base::Columns&) override;
 
  private:
   struct Step {                                                 // as a step begins, owned components

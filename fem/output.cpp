@@ -23,18 +23,6 @@
 namespace fem {
 namespace {
 
-/// All ranks' numbers one after another, on the first rank.
-template <class T>
-std::vector<T> gathered(const Layout& layout, std::span<const T> values, MPI_Datatype type) {
-  const int count = static_cast<int>(values.size());
-  std::vector<int> counts(layout.ranks), starts(layout.ranks + 1, 0);
-  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, layout.comm);
-  for (int r = 0; r < layout.ranks; ++r) starts[r + 1] = starts[r] + counts[r];
-  std::vector<T> all(layout.rank == 0 ? starts.back() : 0);
-  MPI_Gatherv(values.data(), count, type, all.data(), counts.data(), starts.data(), type, 0, layout.comm);
-  return all;
-}
-
 vtkSmartPointer<vtkDoubleArray> array(const char* name, int components, vtkIdType tuples) {
   auto result = vtkSmartPointer<vtkDoubleArray>::New();
   result->SetName(name);
@@ -64,11 +52,12 @@ struct Output::Impl {
   std::vector<vtkSmartPointer<vtkUnstructuredGrid>> grids;  // per body, on the first rank, from the first picture on
   std::vector<std::vector<int>> elements;                   // per body: in the order in which stresses are gathered
   std::map<std::string, std::pair<base::Pvd, int>> collections;  // per file: and its number of pictures
+  std::map<std::string, std::pair<std::string, int>> earlier;    // per body: what a checkpoint says of it
 
   void start() {
     for (int b = 0; b < static_cast<int>(meshes.size()); ++b) {
       const auto own = assembly.elements_of(b);
-      elements.push_back(gathered<int>(layout, own, MPI_INT));
+      elements.push_back(gathered<int>(layout.comm, own, MPI_INT));
       if (layout.rank != 0) continue;
       const Mesh& mesh = meshes[b];
       vtkNew<vtkPoints> points;
@@ -129,8 +118,12 @@ struct Output::Impl {
     const auto collection_file = std::filesystem::path(directory) / (name + ".pvd");
     std::error_code failure;
     std::filesystem::create_directories(folder, failure);
-    auto& [collection, count] =
-        collections.try_emplace(collection_file.string(), base::Pvd(collection_file), 0).first->second;
+    const auto [place, fresh] = collections.try_emplace(collection_file.string(), base::Pvd(collection_file), 0);
+    auto& [collection, count] = place->second;
+    if (const auto known = earlier.find(name); fresh && known != earlier.end()) {
+      collection.go_on_after(known->second.first);
+      count = known->second.second;
+    }
     const std::string file = fmt::format("{}_{:04d}.vtu", name, count++);
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
     writer->SetFileName((folder / file).c_str());
@@ -144,25 +137,42 @@ struct Output::Impl {
 };
 
 Output::Output(const Setup& setup, const std::vector<Mesh>& meshes, const Layout& layout, const Assembly& assembly)
-    : impl_(std::make_unique<Impl>(Impl{setup, meshes, layout, assembly, {}, {}, {}})) {}
+    : impl_(std::make_unique<Impl>(Impl{setup, meshes, layout, assembly, {}, {}, {}, {}})) {}
 
 Output::~Output() = default;
+
+void Output::save(base::Columns& columns) const {
+  for (const auto& [file, pictures] : impl_->collections) {
+    const std::string head = "pictures/" + std::filesystem::path(file).stem().string();
+    columns[head + "/entries"] = pictures.first.entries();
+    columns[head + "/count"] = std::vector<int>{pictures.second};
+  }
+}
+
+void Output::restore(const base::Columns& columns) {
+  for (const auto& body : impl_->setup.bodies) {
+    const std::string head = "pictures/" + body.name;
+    const auto& count = base::column<std::vector<int>>(columns, head + "/count");
+    if (count.size() != 1) continue;
+    impl_->earlier[body.name] = {base::column<std::string>(columns, head + "/entries"), count[0]};
+  }
+}
 
 void Output::write(const std::string& directory, const Frame& frame) {
   Impl& impl = *impl_;
   const Layout& layout = impl.layout;
   if (impl.elements.empty()) impl.start();
-  const auto displacement = gathered<double>(layout, frame.displacement, MPI_DOUBLE);
+  const auto displacement = gathered<double>(layout.comm, frame.displacement, MPI_DOUBLE);
   const auto velocity = gathered<double>(
-      layout, {frame.velocity.data(), static_cast<std::size_t>(frame.velocity.owned_size())}, MPI_DOUBLE);
+      layout.comm, {frame.velocity.data(), static_cast<std::size_t>(frame.velocity.owned_size())}, MPI_DOUBLE);
   std::vector<std::vector<double>> stresses, plastic;
   for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
     const auto own = impl.assembly.stresses(b, frame.strained, &frame.velocity);
     stresses.push_back(
-        gathered<double>(layout, {own.empty() ? nullptr : own.front().data(), 6 * own.size()}, MPI_DOUBLE));
+        gathered<double>(layout.comm, {own.empty() ? nullptr : own.front().data(), 6 * own.size()}, MPI_DOUBLE));
     plastic.emplace_back();
     if (std::ranges::any_of(impl.setup.bodies[b].materials, keeps_history))
-      plastic.back() = gathered<double>(layout, impl.assembly.plastic_strains(b), MPI_DOUBLE);
+      plastic.back() = gathered<double>(layout.comm, impl.assembly.plastic_strains(b), MPI_DOUBLE);
   }
   on_first_rank(layout.comm, [&] {
     for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {

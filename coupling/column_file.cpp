@@ -1,0 +1,203 @@
+#include "coupling/column_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <new>
+
+namespace coupling {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// HDF5's numbers, each with what closes it.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+  bool sound() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// While it lives HDF5 prints nothing: exceptions say it in our words.
+class Quiet {
+ public:
+  Quiet() {
+    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+
+ private:
+  H5E_auto2_t print_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// POSIX' file numbers.
+class Descriptor {
+ public:
+  Descriptor(const fs::path& path, int flags) : number_(open(path.c_str(), flags, 0666)) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  operator int() const { return number_; }
+
+ private:
+  int number_;
+};
+
+hid_t type_of(double) { return H5T_NATIVE_DOUBLE; }
+hid_t type_of(float) { return H5T_NATIVE_FLOAT; }
+hid_t type_of(int) { return H5T_NATIVE_INT; }
+hid_t type_of(std::int64_t) { return H5T_NATIVE_INT64; }
+hid_t type_of(char) { return H5T_C_S1; }
+
+/// No failure of an image in memory but for want of memory.
+void need(bool done) {
+  if (!done) throw std::bad_alloc();
+}
+
+template <class Values>
+void write_dataset(hid_t file, const std::string& name, const Values& values) {
+  constexpr hsize_t longest_chunk = 1 << 17;
+  const hid_t type = type_of(typename Values::value_type{});
+  const hsize_t size = values.size(), chunk = std::min(size, longest_chunk);
+  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose), shape(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  need(H5Pset_create_intermediate_group(links, 1) >= 0);
+  if (size > 0) need(H5Pset_chunk(shape, 1, &chunk) >= 0 && H5Pset_fletcher32(shape) >= 0);
+  const Handle data(H5Dcreate2(file, name.c_str(), type, space, links, shape, H5P_DEFAULT), H5Dclose);
+  need(data.sound());
+  if (size > 0) need(H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0);
+}
+
+/// The file as it is to lie on the disk. It is made in memory, so that a full disk meets plain writes only, whose
+/// failure is told in full.
+std::vector<char> image_of(const base::Columns& columns) {
+  constexpr std::size_t increment = 1 << 24;
+  const Quiet quiet;
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  need(H5Pset_fapl_core(access, increment, 0) >= 0);
+  need(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST) >= 0);
+  const Handle file(H5Fcreate("checkpoint in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  need(file.sound());
+  for (const auto& [name, column] : columns)
+    std::visit([&](const auto& values) { write_dataset(file, name, values); }, column);
+  need(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0);
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  need(size > 0);
+  std::vector<char> image(static_cast<std::size_t>(size));
+  need(H5Fget_file_image(file, image.data(), image.size()) == size);
+  return image;
+}
+
+[[noreturn]] void fail_to_write(const fs::path& path) {
+  throw base::MachineError(fmt::format("{}: cannot be written ({})", path.string(), std::strerror(errno)));
+}
+
+void write_image(const fs::path& path, const std::vector<char>& image) {
+  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
+  if (file < 0) fail_to_write(path);
+  for (std::size_t done = 0; done < image.size();) {
+    const ssize_t more = write(file, image.data() + done, image.size() - done);
+    if (more < 0 && errno != EINTR) fail_to_write(path);
+    if (more > 0) done += static_cast<std::size_t>(more);
+  }
+  if (fsync(file) != 0) fail_to_write(path);
+}
+
+template <class Values>
+Values read_dataset(hid_t data, std::size_t size) {
+  Values values(size, typename Values::value_type{});
+  const bool done = size == 0 || H5Dread(data, type_of(typename Values::value_type{}), H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                                         values.data()) >= 0;
+  if (!done) throw DamagedFile("its checksum does not fit its data");
+  return values;
+}
+
+base::Column read_column(hid_t file, const std::string& name) {
+  const Handle data(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!data.sound()) throw DamagedFile("its structure is damaged");
+  const Handle type(H5Dget_type(data), H5Tclose), space(H5Dget_space(data), H5Sclose);
+  const hssize_t points = space.sound() ? H5Sget_simple_extent_npoints(space) : -1;
+  if (!type.sound() || points < 0) throw DamagedFile("its structure is damaged");
+  const auto size = static_cast<std::size_t>(points);
+  const bool wide = H5Tget_size(type) == 8;
+  switch (H5Tget_class(type)) {
+    case H5T_STRING:
+      return read_dataset<std::string>(data, size);
+    case H5T_INTEGER:
+      if (wide) return read_dataset<std::vector<std::int64_t>>(data, size);
+      return read_dataset<std::vector<int>>(data, size);
+    default:
+      if (wide) return read_dataset<std::vector<double>>(data, size);
+      return read_dataset<std::vector<float>>(data, size);
+  }
+}
+
+herr_t remember_dataset(hid_t, const char* name, const H5O_info_t* info, void* names) {
+  if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
+}  // namespace
+
+void write_columns(const fs::path& path, const base::Columns& columns) {
+  const fs::path temporary = path.string() + ".part";
+  std::error_code error;
+  try {
+    write_image(temporary, image_of(columns));
+    fs::rename(temporary, path, error);
+    if (error) throw base::MachineError(fmt::format("{}: cannot be written ({})", path.string(), error.message()));
+    sync_file(path.parent_path());
+  } catch (...) {
+    fs::remove(temporary, error);
+    throw;
+  }
+}
+
+void sync_file(const fs::path& path) {
+  const Descriptor file(path.empty() ? fs::path(".") : path, O_RDONLY);
+  if (file < 0 || fsync(file) != 0) fail_to_write(path);
+}
+
+base::Columns read_columns(const fs::path& path, const std::string& group) {
+  std::error_code ignored;
+  base::require_user(fs::is_regular_file(path, ignored), path.string() + ": no such file; name a checkpoint-NNNN.h5");
+  base::require_user(std::ifstream(path).good(),
+                     path.string() + ": no permission to read it; change its permissions or copy it");
+  const Quiet quiet;
+  try {
+    const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    if (!file.sound()) throw DamagedFile("it is truncated, or no HDF5 file");
+    std::vector<std::string> names;
+    if (H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, remember_dataset, &names, H5O_INFO_BASIC) < 0)
+      throw DamagedFile("its structure is damaged");
+    base::Columns columns;
+    for (const std::string& name : names)
+      if (name.starts_with(group)) columns[name.substr(group.size())] = read_column(file, name);
+    return columns;
+  } catch (const DamagedFile& damage) {
+    throw DamagedFile(fmt::format("{}: cannot be used: {}; name an earlier checkpoint", path.string(), damage.what()));
+  }
+}
+
+}  // namespace coupling

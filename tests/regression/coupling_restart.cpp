@@ -1,0 +1,530 @@
+// A run that is cut off anywhere and restarted repeats the uninterrupted one bit for bit on as many ranks and threads:
+// rows of history.csv, pictures, ledger and results. A column left out of a checkpoint, a list in another order or a
+// sample taken twice shows in the last digits. On another number of ranks the same to rounding.
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "coupling/run_directory.hpp"
+#include "tests/regression/run_helper.hpp"
+
+namespace {
+
+using namespace regression;
+
+/// Spheres and clumps fall in a channel that repeats itself along x, under a plate with a servo: friction, rolling
+/// springs, bonds that break, a wall that leaves, damping in the first stage.
+std::string grains_scene() {
+  std::string text = R"(title = "grains"
+[time]
+dem_fraction = 0.2
+[grains]
+material = { young_modulus = "20 MPa", poisson_ratio = 0.2, density = 2700 }
+friction = 0.5
+restitution = 0.6
+rolling = "type_c"
+rolling_friction = 0.1
+rolling_damping = 0.3
+[[grains.periodic]]
+axis = "x"
+lower = 0.0
+upper = 0.2
+[[grains.shape]]
+name = "stone"
+file = "SOURCE/meshes/ballast/stone1.clump10.csv"
+)";
+  int number = 0;
+  for (int layer = 0; layer < 3; ++layer)
+    for (int row = 0; row < 2; ++row)
+      for (int column = 0; column < 4; ++column, ++number) {
+        const double x = 0.025 + 0.05 * column + 0.004 * layer, y = 0.03 + 0.06 * row + 0.003 * layer;
+        text += fmt::format("[[grain]]\nposition = [{}, {}, {}]\nvelocity = [{}, 0.1, 0.0]\n", x, y,
+                            0.03 + 0.05 * layer, 0.2 * layer - 0.1 * row);
+        if (layer == 1 && column % 2)
+          text += "shape = \"stone\"\nsize = \"30 mm\"\norientation = [\"40 deg\", 0.0, \"70 deg\"]\n";
+        else
+          text += fmt::format("radius = {}\n", 0.02 + 0.001 * column);
+      }
+  for (const char* y : {"0.0", "0.12"})
+    text += fmt::format("[[wall]]\nname = \"side{0}\"\nplane = {{ point = [0, {0}, 0], normal = [0, {1}, 0] }}\n", y,
+                        y[2] == '0' ? 1 : -1);
+  return text + R"(
+[[bond]]
+first = 16
+second = 17
+normal_stiffness = "1 GPa/m"
+shear_stiffness = "0.5 GPa/m"
+tensile_strength = "0.5 MPa"
+shear_strength = "0.5 MPa"
+[[bond]]
+first = 18
+second = 19
+normal_stiffness = "1 GPa/m"
+shear_stiffness = "0.5 GPa/m"
+tensile_strength = "500 MPa"
+shear_strength = "500 MPa"
+[[wall]]
+name = "floor"
+plane = { point = [0, 0, 0], normal = [0, 0, 1] }
+[[wall]]
+name = "gate"
+plane = { point = [0, 0, 0.005], normal = [0, 0, 1] }
+removed_at = "press"
+[[wall]]
+name = "plate"
+mesh = "SOURCE/meshes/plate.geo"
+mesh_parameters = { length = 0.4, width = 0.12 }
+translation = [0.1, 0.06, 0.19]
+body = { mass = "1 kg", moves = ["z"], damping = "10 1/s" }
+[[wall.load]]
+direction = [0.0, 0.0, -1.0]
+history = { kind = "ramp", value = "60 N", duration = "30 ms" }
+[[stage]]
+name = "fall"
+duration = "30 ms"
+grain_damping = "2 1/s"
+[[stage]]
+name = "press"
+duration = "60 ms"
+measure = true
+[[probe]]
+name = "plate"
+kind = "wall_displacement"
+wall = "plate"
+component = "z"
+[[probe]]
+name = "kinetic"
+kind = "kinetic_energy"
+[[probe]]
+name = "broken"
+kind = "broken_bonds"
+[[probe]]
+name = "stone"
+kind = "grain_position"
+point = [0.1, 0.06, 0.1]
+component = "y"
+[[result]]
+name = "swing"
+probe = "plate"
+take = "range"
+unit = "mm"
+[[result]]
+name = "mean"
+probe = "kinetic"
+take = "mean"
+unit = "J"
+[output]
+interval = "20 ms"
+probe_interval = "0.7 ms"
+contacts = true
+)";
+}
+
+/// A beam that remembers (Kelvin-Voigt) and one that yields (Drucker-Prager), shaken at its root.
+std::string beams_scene(const std::string& solver) {
+  std::string text = "title = \"beams\"\ngravity = [0.0, 0.0, -9.81]\n" + solver;
+  for (const auto& [name, law] : {std::pair{"viscous", "law = \"kelvin_voigt\"\nshear_viscosity = \"1e5 Pa s\"\n"},
+                                  {"yielding",
+                                   "law = \"drucker_prager\"\ncohesion = \"20 kPa\"\n"
+                                   "friction_angle = \"30 deg\"\n"}})
+    text += fmt::format(R"([[body]]
+name = "{0}"
+mesh = "SOURCE/meshes/box.geo"
+mesh_parameters = {{ length = 1.0, width = 0.2, height = 0.2, cells_x = 8, cells_y = 2, cells_z = 2 }}
+translation = [0.0, {2}, 0.0]
+element = "hex8"
+damping = "3 1/s"
+[[body.material]]
+group = "solid"
+{1}young_modulus = "20 MPa"
+poisson_ratio = 0.2
+density = "2000 kg/m3"
+[[body.support]]
+group = "x_min"
+fix = ["x", "y", "z"]
+[[body.load]]
+name = "tip_{0}"
+group = "x_max"
+direction = [0.0, 0.0, -1.0]
+history = {{ kind = "step", value = "30 N" }}
+[[probe]]
+name = "tip_{0}"
+kind = "displacement"
+body = "{0}"
+group = "x_max"
+component = "z"
+[[result]]
+name = "frequency_{0}"
+probe = "tip_{0}"
+take = "frequency"
+unit = "Hz"
+)",
+                        name, law, name[0] == 'v' ? 0.0 : 0.5);
+  return text + R"(
+[[stage]]
+name = "swing"
+duration = "0.2 s"
+measure = true
+[output]
+interval = "50 ms"
+probe_interval = "2 ms"
+)";
+}
+
+/// Spheres on a plate that bends: both sides, coupled.
+std::string coupled_scene() {
+  std::string text = R"(title = "coupled"
+[grains]
+material = { young_modulus = "100 MPa", poisson_ratio = 0.2, density = 2700 }
+friction = 0.4
+restitution = 0.5
+)";
+  for (int k = 0; k < 12; ++k)
+    text += fmt::format("[[grain]]\nposition = [{}, {}, {}]\nradius = 0.02\n", 0.08 + 0.05 * (k % 6) + 0.002 * (k / 6),
+                        0.003 * (k % 4), 0.046 + 0.045 * (k / 6));
+  return text + R"(
+[[body]]
+name = "plate"
+mesh = "SOURCE/meshes/box.geo"
+mesh_parameters = { length = 0.4, width = 0.2, height = 0.05, cells_x = 8, cells_y = 4, cells_z = 1 }
+element = "hex8"
+skin = ["z_max"]
+friction = 0.4
+restitution = 0.5
+[[body.material]]
+group = "solid"
+law = "kelvin_voigt"
+shear_viscosity = "100 Pa s"
+young_modulus = "50 MPa"
+poisson_ratio = 0.2
+density = "2000 kg/m3"
+[[body.support]]
+group = "x_min"
+fix = ["x", "y", "z"]
+[[body.support]]
+group = "x_max"
+fix = ["x", "y", "z"]
+[[stage]]
+name = "settle"
+duration = "10 ms"
+hold = ["plate"]
+[[stage]]
+name = "free"
+duration = "20 ms"
+measure = true
+[[probe]]
+name = "middle"
+kind = "displacement"
+body = "plate"
+point = [0.2, 0.0, 0.025]
+component = "z"
+[[probe]]
+name = "on_plate"
+kind = "contact_force"
+body = "plate"
+component = "z"
+[[result]]
+name = "deepest"
+probe = "middle"
+take = "min"
+unit = "mm"
+[output]
+interval = "6 ms"
+probe_interval = "0.5 ms"
+)";
+}
+
+fs::path write_scene(const std::string& name, std::string text) {
+  const std::string word = "SOURCE";
+  for (auto at = text.find(word); at != std::string::npos; at = text.find(word))
+    text.replace(at, word.size(), TRACKBED_SOURCE_FOLDER);
+  const fs::path file = scratch() / (name + ".toml");
+  std::ofstream(file) << text;
+  return file;
+}
+
+Finished run(const fs::path& scene, const fs::path& out, const std::string& more, int ranks = 0) {
+  return trackbed(fmt::format("run '{}' --out '{}' --threads 1 {}", scene.string(), out.string(), more), ranks);
+}
+Finished restart(const fs::path& scene, const fs::path& checkpoint, const std::string& more = "", int ranks = 0) {
+  return trackbed(fmt::format("run '{}' --restart '{}' --threads 1 {}", scene.string(), checkpoint.string(), more),
+                  ranks);
+}
+
+std::set<std::string> files_of(const fs::path& run) {
+  std::set<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(run)) {
+    const std::string kind = entry.path().extension().string();
+    if (kind == ".vtp" || kind == ".vtu" || kind == ".pvd" || kind == ".csv")
+      files.insert(fs::relative(entry.path(), run).string());
+  }
+  return files;
+}
+
+void expect_same_bits(const fs::path& whole, const fs::path& restarted) {
+  const auto files = files_of(whole);
+  EXPECT_GE(files.size(), 4u);
+  EXPECT_EQ(files, files_of(restarted));
+  for (const auto& file : files) EXPECT_TRUE(slurp(whole / file) == slurp(restarted / file)) << file;
+  const auto a = summary(whole), b = summary(restarted);
+  for (const char* key :
+       {"status", "time_simulated_s", "steps", "dt_s", "dt_limiter", "energy", "momentum_error", "results"})
+    EXPECT_EQ(a[key], b[key]) << key;
+  EXPECT_EQ(b["status"], "completed");
+}
+
+/// Whole, and cut off at `until` with checkpoints every `interval`, then restarted.
+void expect_restart_repeats(const std::string& name, const std::string& text, const std::string& interval,
+                            const std::string& until, int ranks) {
+  const fs::path scene = write_scene(name, text);
+  const fs::path whole = scratch() / (name + "_whole"), cut = scratch() / (name + "_cut");
+  const auto uninterrupted = run(scene, whole, "", ranks);
+  ASSERT_EQ(uninterrupted.status, 0) << uninterrupted.output;
+  EXPECT_FALSE(fs::exists(whole / "checkpoint-0001.h5"));
+  const auto first =
+      run(scene, cut, fmt::format("--set 'output.checkpoint_interval={}' --until {}", interval, until), ranks);
+  ASSERT_EQ(first.status, 0) << first.output;
+  const auto second = restart(scene, cut, "", ranks);
+  ASSERT_EQ(second.status, 0) << second.output;
+  EXPECT_NE(second.output.find("goes on from"), std::string::npos) << second.output;
+  expect_same_bits(whole, cut);
+}
+
+TEST(Restart, GrainsInTheFirstStage) { expect_restart_repeats("early", grains_scene(), "7 ms", "0.025", 0); }
+TEST(Restart, GrainsInTheMeasuredStage) { expect_restart_repeats("late", grains_scene(), "11 ms", "0.071", 0); }
+TEST(Restart, BeamsOnOneRank) { expect_restart_repeats("beams", beams_scene(""), "30 ms", "0.11", 0); }
+TEST(Restart, BeamsOnTwoRanks) { expect_restart_repeats("beams2", beams_scene(""), "30 ms", "0.11", 2); }
+TEST(Restart, CoupledOnOneRank) { expect_restart_repeats("coupled", coupled_scene(), "4 ms", "0.0195", 0); }
+TEST(Restart, CoupledOnThreeRanks) { expect_restart_repeats("coupled3", coupled_scene(), "4 ms", "0.0195", 3); }
+
+TEST(Restart, ImplicitSteps) {
+  const std::string newmark = "[fem]\nsolver = \"newmark\"\n[time]\nfem_step = \"2 ms\"\n";
+  expect_restart_repeats("newmark", beams_scene(newmark), "30 ms", "0.11", 0);
+}
+
+/// Largest difference of any column of history.csv, over the column's largest value; rounding alone is left out.
+double largest_difference(const fs::path& one, const fs::path& other) {
+  const auto a = coupling::read_history(one / "history.csv"), b = coupling::read_history(other / "history.csv");
+  double largest = 0;
+  EXPECT_EQ(a.columns.size(), b.columns.size());
+  for (std::size_t c = 0; c < a.columns.size(); ++c) {
+    const auto &x = a.columns[c], &y = b.columns[c];
+    EXPECT_EQ(x.values.size(), y.values.size());
+    if (x.name == "energy_residual" || x.name == "momentum_error") continue;
+    double scale = 0, apart = 0;
+    for (std::size_t k = 0; k < std::min(x.values.size(), y.values.size()); ++k) {
+      scale = std::max(scale, std::abs(x.values[k]));
+      apart = std::max(apart, std::abs(x.values[k] - y.values[k]));
+    }
+    if (scale > 0) largest = std::max(largest, apart / scale);
+  }
+  return largest;
+}
+
+// State by global numbers: whichever ranks write it, any can go on. A node or element given to the wrong place is an
+// error of the size of the motion.
+TEST(Restart, OnAnotherNumberOfRanks) {
+  for (const auto& [name, text, from, to] :
+       {std::tuple{"coupled_ranks", coupled_scene(), 2, 3}, {"beams_ranks", beams_scene(""), 3, 2}}) {
+    const fs::path scene = write_scene(name, text), out = scratch() / (std::string(name) + "_first");
+    const fs::path whole = scratch() / (std::string(name) + "_whole"),
+                   other = scratch() / (std::string(name) + "_other");
+    const std::string checkpoints = "--set 'output.checkpoint_interval=4 ms'";
+    ASSERT_EQ(run(scene, whole, checkpoints, from).status, 0);
+    ASSERT_EQ(run(scene, out, checkpoints + " --until 0.0195", from).status, 0);
+    const auto finished = restart(scene, out, fmt::format("--out '{}' {}", other.string(), checkpoints), to);
+    ASSERT_EQ(finished.status, 0) << finished.output;
+    EXPECT_LT(largest_difference(whole, other), 1e-9) << name;
+    EXPECT_EQ(files_of(whole), files_of(other));
+    EXPECT_TRUE(fs::exists(out / "checkpoint-0003.h5"));  // the first run's folder is as it was
+  }
+}
+
+/// A run in the background; it is killed when the test leaves it.
+class Background {
+ public:
+  Background(const std::string& arguments, int ranks, const fs::path& log) {
+    const std::string launcher = ranks > 0 ? fmt::format("{} -n {} ", TRACKBED_MPIRUN, ranks) : "";
+    const std::string command = fmt::format("cd '{}'; exec {}'{}' {} > '{}' 2>&1", scratch().string(), launcher,
+                                            TRACKBED_PROGRAM, arguments, log.string());
+    process_ = fork();
+    if (process_ == 0) {
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+  }
+  ~Background() {
+    if (process_ > 0) {
+      kill(process_, SIGKILL);
+      waitpid(process_, nullptr, 0);
+    }
+  }
+  Background(const Background&) = delete;
+  Background& operator=(const Background&) = delete;
+
+  pid_t process() const { return process_; }
+  /// Processes that it has started.
+  std::vector<pid_t> children() const {
+    std::istringstream in(slurp(fmt::format("/proc/{0}/task/{0}/children", process_)));
+    std::vector<pid_t> all;
+    for (pid_t child = 0; in >> child;) all.push_back(child);
+    return all;
+  }
+  /// Its wait status; nothing when it still runs after so many seconds.
+  std::optional<int> wait(int seconds) {
+    int status = 0;
+    for (int k = 0; k < 100 * seconds; ++k) {
+      if (waitpid(process_, &status, WNOHANG) == process_) {
+        process_ = -1;
+        return status;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return std::nullopt;
+  }
+  /// Waits until history.csv of its run has so many rows, or the run is over.
+  void await_rows(const fs::path& out, int rows) const {
+    const auto lines = [&] {
+      const std::string text = slurp(out / "history.csv");
+      return std::count(text.begin(), text.end(), '\n');
+    };
+    while (lines() <= rows && !over()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+
+ private:
+  bool over() const {
+    siginfo_t news{};
+    waitid(P_PID, static_cast<id_t>(process_), &news, WEXITED | WNOHANG | WNOWAIT);
+    return news.si_pid == process_;
+  }
+  pid_t process_;
+};
+
+std::string long_grains_scene() {
+  std::string text = grains_scene();
+  const std::string end = "duration = \"60 ms\"";
+  return text.replace(text.find(end), end.size(), "duration = \"400 ms\"");
+}
+
+// kill -9 wherever it may be: the last checkpoint is whole, history.csv can be read, and the restarted run ends as the
+// whole one.
+TEST(Restart, AfterKillNineAnywhere) {
+  const fs::path scene = write_scene("killed", long_grains_scene()), whole = scratch() / "killed_whole";
+  ASSERT_EQ(run(scene, whole, "").status, 0);
+  const fs::path out = scratch() / "killed";
+  std::string how = fmt::format("--out '{}' --set 'output.checkpoint_interval=2 ms'", out.string());
+  for (const int rows : {20, 150, 300, 450}) {
+    const std::string go_on = rows == 20 ? "" : fmt::format("--restart '{}'", out.string());
+    Background life(fmt::format("run '{}' --threads 1 {} {}", scene.string(), how, go_on), 0, scratch() / "killed.txt");
+    life.await_rows(out, rows);
+    kill(life.process(), SIGKILL);
+    const auto status = life.wait(30);
+    ASSERT_TRUE(status && WIFSIGNALED(*status))
+        << "the run was over before it was killed: " << slurp(scratch() / "killed.txt");
+    EXPECT_GE(coupling::read_history(out / "history.csv").time().size(), static_cast<std::size_t>(rows));
+  }
+  const auto finished = restart(scene, out);
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  expect_same_bits(whole, out);
+}
+
+// A rank that dies takes the job with it, and the job can go on.
+TEST(Restart, AfterARankWasKilled) {
+  std::string text = coupled_scene();
+  const std::string end = "duration = \"20 ms\"";
+  const fs::path scene = write_scene("lost", text.replace(text.find(end), end.size(), "duration = \"200 ms\""));
+  const fs::path whole = scratch() / "lost_whole", out = scratch() / "lost", log = scratch() / "lost.txt";
+  ASSERT_EQ(run(scene, whole, "", 2).status, 0);
+  Background life(fmt::format("run '{}' --threads 1 --out '{}' --set 'output.checkpoint_interval=4 ms'", scene.string(),
+                              out.string()),
+                  2, log);
+  life.await_rows(out, 60);
+  const auto ranks = life.children();
+  ASSERT_EQ(ranks.size(), 2u);
+  kill(ranks[1], SIGKILL);
+  const auto status = life.wait(30);
+  ASSERT_TRUE(status) << "the job hangs";
+  EXPECT_FALSE(WIFEXITED(*status) && WEXITSTATUS(*status) == 0) << slurp(log);
+  const auto finished = restart(scene, out, "", 2);
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  expect_same_bits(whole, out);
+}
+
+TEST(Restart, SignalsLeaveCheckpoints) {
+  const fs::path scene = write_scene("signals", long_grains_scene()), whole = scratch() / "signals_whole";
+  ASSERT_EQ(run(scene, whole, "").status, 0);
+  const fs::path out = scratch() / "signals", log = scratch() / "signals.txt";
+  {
+    Background life(fmt::format("run '{}' --threads 1 --out '{}'", scene.string(), out.string()), 0, log);
+    life.await_rows(out, 40);
+    kill(life.process(), SIGUSR1);
+    life.await_rows(out, 80);
+    EXPECT_TRUE(fs::exists(out / "checkpoint-0001.h5")) << slurp(log);
+    kill(life.process(), SIGTERM);
+    const auto status = life.wait(30);
+    ASSERT_TRUE(status && WIFEXITED(*status));
+    EXPECT_EQ(WEXITSTATUS(*status), 130) << slurp(log);
+  }
+  EXPECT_NE(slurp(log).find("; to go on: trackbed run " + scene.string() + " --restart " +
+                            (out / "checkpoint-0002.h5").string()),
+            std::string::npos)
+      << slurp(log);
+  const auto finished = restart(scene, "auto", fmt::format("--out '{}'", out.string()));
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  expect_same_bits(whole, out);
+}
+
+TEST(Restart, RefusedWithItsReasonAndNothingTouched) {
+  const fs::path scene = write_scene("refused", coupled_scene()), out = scratch() / "refused_run";
+  ASSERT_EQ(run(scene, out, "--set 'output.checkpoint_interval=4 ms' --until 9e-3").status, 0);
+  const std::string before = slurp(out / "history.csv");
+  const auto changed = restart(scene, out, "--set grains.friction=0.3 --set body.plate.material.1.poisson_ratio=0.1");
+  EXPECT_EQ(changed.status, 2);
+  EXPECT_NE(changed.output.find("the scene is not the one that this run was started with: body.plate.material.1."
+                                "poisson_ratio = 0.1, was 0.2; grains.friction = 0.3, was 0.4"),
+            std::string::npos)
+      << changed.output;
+  const auto overwrite = restart(scene, out, "--overwrite");
+  EXPECT_EQ(overwrite.status, 2);
+  EXPECT_NE(overwrite.output.find("--overwrite: the run in "), std::string::npos) << overwrite.output;
+  const auto missing = restart(scene, scratch() / "nowhere");
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_NE(missing.output.find("no such file; name a checkpoint-NNNN.h5"), std::string::npos) << missing.output;
+  fs::resize_file(out / "checkpoint-0002.h5", 3000);
+  const auto cut = restart(scene, out / "checkpoint-0002.h5", "", 2);
+  EXPECT_EQ(cut.status, 2);
+  EXPECT_NE(cut.output.find("checkpoint-0002.h5: cannot be used: it is truncated"), std::string::npos) << cut.output;
+  EXPECT_EQ(slurp(out / "history.csv"), before);
+}
+
+TEST(Restart, FailuresNameTheLastCheckpoint) {
+  const fs::path scene = write_scene("failing", grains_scene()), out = scratch() / "failing";
+  ASSERT_EQ(run(scene, out, "--set 'output.checkpoint_interval=5 ms' --until 12e-3").status, 0);
+  // A file may not grow beyond 8 KiB: every checkpoint is larger.
+  const std::string command = fmt::format(
+      "cd '{}'; trap '' XFSZ; ulimit -f 16; '{}' run '{}' --restart '{}' --threads 1 --set "
+      "output.checkpoint_interval=5e-3 "
+      "> full.txt 2>&1",
+      scratch().string(), TRACKBED_PROGRAM, scene.string(), out.string());
+  const int status = std::system(command.c_str());
+  const std::string said = slurp(scratch() / "full.txt");
+  EXPECT_EQ(WEXITSTATUS(status), 4) << said;
+  EXPECT_NE(
+      said.find("cannot be written (File too large); last good checkpoint: " + (out / "checkpoint-0002.h5").string()),
+      std::string::npos)
+      << said;
+  EXPECT_FALSE(fs::exists(out / "checkpoint-0003.h5.part"));
+
+  const fs::path beams = write_scene("exploding", beams_scene("[time]\nfem_step = \"1 ms\"\nforce_step = true\n"));
+  const auto unstable = run(beams, scratch() / "exploding", "--set 'output.checkpoint_interval=2 ms'");
+  EXPECT_EQ(unstable.status, 3) << unstable.output;
+  EXPECT_NE(unstable.output.find("; last good checkpoint: "), std::string::npos) << unstable.output;
+}
+
+}  // namespace
