@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <new>
@@ -89,31 +90,55 @@ void write_dataset(hid_t file, const std::string& name, const Values& values) {
   if (size > 0) need(H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0);
 }
 
-/// The file as it is to lie on the disk. It is made in memory, so that a full disk meets plain writes only, whose
-/// failure is told in full.
-std::vector<char> image_of(const base::Columns& columns) {
-  constexpr std::size_t increment = 1 << 24;
-  const Quiet quiet;
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  need(H5Pset_fapl_core(access, increment, 0) >= 0);
-  need(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST) >= 0);
-  const Handle file(H5Fcreate("checkpoint in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
-  need(file.sound());
-  for (const auto& [name, column] : columns)
-    std::visit([&](const auto& values) { write_dataset(file, name, values); }, column);
-  need(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0);
-  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
-  need(size > 0);
-  std::vector<char> image(static_cast<std::size_t>(size));
-  need(H5Fget_file_image(file, image.data(), image.size()) == size);
-  return image;
-}
+/// The file as it is to lie on the disk. HDF5 makes it in memory and leaves it there when it closes it, so that a full
+/// disk meets plain writes only, whose failure is told in full.
+class Image {
+ public:
+  explicit Image(const base::Columns& columns) {
+    constexpr std::size_t increment = 4096;  // [bytes] the file ends in up to so many that mean nothing
+    const Quiet quiet;
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    need(H5Pset_fapl_core(access, increment, 0) >= 0);
+    need(H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST) >= 0);
+    H5FD_file_image_callbacks_t calls{allocate, nullptr, resize, leave, same, done, this};
+    need(H5Pset_file_image_callbacks(access, &calls) >= 0);
+    const hid_t file = H5Fcreate("checkpoint in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    need(file >= 0);
+    const Handle closed_last(file, H5Fclose);
+    for (const auto& [name, column] : columns)
+      std::visit([&](const auto& values) { write_dataset(file, name, values); }, column);
+    hsize_t end = 0;
+    need(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0 && H5Fget_filesize(file, &end) >= 0);
+    size_ = end;
+  }
+  ~Image() { std::free(bytes_); }
+  Image(const Image&) = delete;
+  Image& operator=(const Image&) = delete;
+  const char* data() const { return static_cast<const char*>(bytes_); }
+  std::size_t size() const { return bytes_ ? size_ : 0; }
+
+ private:
+  static void* allocate(std::size_t size, H5FD_file_image_op_t, void*) { return std::malloc(size); }
+  static void* resize(void* bytes, std::size_t size, H5FD_file_image_op_t, void*) { return std::realloc(bytes, size); }
+  static herr_t leave(void* bytes, H5FD_file_image_op_t when, void* self) {
+    if (when == H5FD_FILE_IMAGE_OP_FILE_CLOSE)
+      static_cast<Image*>(self)->bytes_ = bytes;
+    else
+      std::free(bytes);
+    return 0;
+  }
+  static void* same(void* self) { return self; }
+  static herr_t done(void*) { return 0; }
+
+  void* bytes_ = nullptr;
+  std::size_t size_ = 0;
+};
 
 [[noreturn]] void fail_to_write(const fs::path& path) {
   throw base::MachineError(fmt::format("{}: cannot be written ({})", path.string(), std::strerror(errno)));
 }
 
-void write_image(const fs::path& path, const std::vector<char>& image) {
+void write_image(const fs::path& path, const Image& image) {
   const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
   if (file < 0) fail_to_write(path);
   for (std::size_t done = 0; done < image.size();) {
@@ -164,7 +189,7 @@ void write_columns(const fs::path& path, const base::Columns& columns) {
   const fs::path temporary = path.string() + ".part";
   std::error_code error;
   try {
-    write_image(temporary, image_of(columns));
+    write_image(temporary, Image(columns));
     fs::rename(temporary, path, error);
     if (error) throw base::MachineError(fmt::format("{}: cannot be written ({})", path.string(), error.message()));
     sync_file(path.parent_path());
