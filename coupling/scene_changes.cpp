@@ -1,6 +1,7 @@
 #include "coupling/scene_changes.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include <array>
@@ -30,6 +31,18 @@ std::string content(const std::string& file) {
   return fmt::format("content {:016x}", std::hash<std::string>{}(text.str()));
 }
 
+std::string text_of(const toml::node& node) {
+  if (const auto* real = node.as_floating_point()) return fmt::format("{}", real->get());
+  if (const auto* array = node.as_array()) {
+    std::vector<std::string> entries;
+    for (const auto& entry : *array) entries.push_back(text_of(entry));
+    return fmt::format("[{}]", fmt::join(entries, ", "));
+  }
+  std::ostringstream text;
+  node.visit([&](const auto& value) { text << value; });
+  return text.str();
+}
+
 void flatten(const toml::node& node, const std::string& key, std::string& lines) {
   if (!counts(key)) return;
   const auto below = [&](std::string_view name) {
@@ -49,13 +62,9 @@ void flatten(const toml::node& node, const std::string& key, std::string& lines)
     }
     return;
   }
-  std::ostringstream value;
   const auto* text = node.as_string();
-  if (text && (key.ends_with(".mesh") || key.ends_with(".file")))
-    value << content(text->get());
-  else
-    node.visit([&](const auto& one) { value << one; });
-  lines += fmt::format("{} = {}\n", key, value.str());
+  const bool file = text && (key.ends_with(".mesh") || key.ends_with(".file"));
+  lines += fmt::format("{} = {}\n", key, file ? content(text->get()) : text_of(node));
 }
 
 std::map<std::string, std::string> by_key(const std::string& lines) {

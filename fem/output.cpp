@@ -4,6 +4,7 @@
 #include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkDoubleArray.h>
+#include <vtkInformation.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -132,6 +133,10 @@ struct Output::Impl {
     if (!written) {
       throw base::MachineError("cannot write " + (folder / file).string() + ": is the disk full or read-only?");
     }
+    // The writer leaves ranges of values with the arrays and writes them the next time: every picture is to be as the
+    // first, also in a run that goes on from a checkpoint.
+    grids[b]->GetPoints()->GetData()->GetInformation()->Clear();
+    grids[b]->GetCellData()->GetArray("region")->GetInformation()->Clear();
     collection.add(time, name + "/" + file);
   }
 };

@@ -1,5 +1,9 @@
 // Checkpoint files: what is written is read; what has been damaged, or belongs to another run, is refused with the
 // reason.
+#include <sys/resource.h>
+
+#include <csignal>
+
 #include "base/version.hpp"
 #include "coupling/checkpoint.hpp"
 #include "coupling/column_file.hpp"
@@ -91,6 +95,26 @@ TEST_F(Checkpoint, TruncatedFilesAreRefused) {
               "c.h5: cannot be used: it is truncated, or no HDF5 file; name an earlier checkpoint");
   }
   EXPECT_EQ(error_of_reading("none.h5"), "none.h5: no such file; name a checkpoint-NNNN.h5");
+}
+
+TEST_F(Checkpoint, WhatCannotBeWrittenLeavesWhatWasThere) {
+  coupling::write_columns("c.h5", sample());
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{1000, before.rlim_max};
+  const auto heard = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  std::string text;
+  try {
+    coupling::write_columns("c.h5", sample());
+  } catch (const base::MachineError& error) {
+    text = error.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, heard);
+  EXPECT_EQ(text, "c.h5.part: cannot be written (File too large)");
+  EXPECT_FALSE(fs::exists("c.h5.part"));
+  EXPECT_EQ(coupling::read_columns("c.h5", ""), sample());
 }
 
 TEST_F(Checkpoint, TheLastTwoAreKept) {
