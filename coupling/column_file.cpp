@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -78,16 +80,24 @@ void need(bool done) {
 
 template <class Values>
 void write_dataset(hid_t file, const std::string& name, const Values& values) {
-  constexpr hsize_t longest_chunk = 1 << 17;
   const hid_t type = type_of(typename Values::value_type{});
-  const hsize_t size = values.size(), chunk = std::min(size, longest_chunk);
-  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
-  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose), shape(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const hsize_t size = values.size();
+  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose), links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   need(H5Pset_create_intermediate_group(links, 1) >= 0);
-  if (size > 0) need(H5Pset_chunk(shape, 1, &chunk) >= 0 && H5Pset_fletcher32(shape) >= 0);
-  const Handle data(H5Dcreate2(file, name.c_str(), type, space, links, shape, H5P_DEFAULT), H5Dclose);
+  const Handle data(H5Dcreate2(file, name.c_str(), type, space, links, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
   need(data.sound());
   if (size > 0) need(H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0);
+}
+
+/// Ends the file, behind what HDF5 knows of: a mark, and the checksum of all before it.
+struct Seal {
+  std::array<char, 8> mark{'t', 'r', 'a', 'c', 'k', 'b', 'e', 'd'};
+  std::uint64_t checksum = 0;
+  bool operator==(const Seal&) const = default;
+};
+
+std::uint64_t checksum_of(std::uint64_t before, const char* bytes, std::size_t size) {
+  return crc32_z(before, reinterpret_cast<const unsigned char*>(bytes), size);
 }
 
 /// The file as it is to lie on the disk. HDF5 makes it in memory and leaves it there when it closes it, so that a full
@@ -95,7 +105,7 @@ void write_dataset(hid_t file, const std::string& name, const Values& values) {
 class Image {
  public:
   explicit Image(const base::Columns& columns) {
-    constexpr std::size_t increment = 4096;  // [bytes] the file ends in up to so many that mean nothing
+    constexpr std::size_t increment = 4096;  // [bytes] HDF5's part ends in up to so many that mean nothing
     const Quiet quiet;
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     need(H5Pset_fapl_core(access, increment, 0) >= 0);
@@ -138,15 +148,40 @@ class Image {
   throw base::MachineError(fmt::format("{}: cannot be written ({})", path.string(), std::strerror(errno)));
 }
 
-void write_image(const fs::path& path, const Image& image) {
-  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
-  if (file < 0) fail_to_write(path);
-  for (std::size_t done = 0; done < image.size();) {
-    const ssize_t more = write(file, image.data() + done, image.size() - done);
+void write_all(const Descriptor& file, const fs::path& path, const char* bytes, std::size_t size) {
+  for (std::size_t done = 0; done < size;) {
+    const ssize_t more = write(file, bytes + done, size - done);
     if (more < 0 && errno != EINTR) fail_to_write(path);
     if (more > 0) done += static_cast<std::size_t>(more);
   }
+}
+
+void write_image(const fs::path& path, const Image& image) {
+  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
+  if (file < 0) fail_to_write(path);
+  const Seal seal{.checksum = checksum_of(0, image.data(), image.size())};
+  write_all(file, path, image.data(), image.size());
+  write_all(file, path, reinterpret_cast<const char*>(&seal), sizeof seal);
   if (fsync(file) != 0) fail_to_write(path);
+}
+
+/// Before HDF5 sees the file, which is not made for damaged ones.
+void require_sealed(const fs::path& path) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  std::ifstream in(path, std::ios::binary);
+  if (error || size < sizeof(Seal)) throw DamagedFile("it is truncated, or no checkpoint");
+  std::vector<char> block(1 << 20);
+  Seal expected, found;
+  for (std::uintmax_t left = size - sizeof(Seal); left > 0 && in;) {
+    const std::size_t length = std::min<std::uintmax_t>(left, block.size());
+    in.read(block.data(), static_cast<std::streamsize>(length));
+    expected.checksum = checksum_of(expected.checksum, block.data(), length);
+    left -= length;
+  }
+  in.read(reinterpret_cast<char*>(&found), sizeof found);
+  if (!in || found.mark != expected.mark) throw DamagedFile("it is truncated, or no checkpoint");
+  if (found != expected) throw DamagedFile("it is damaged: its checksum does not fit");
 }
 
 template <class Values>
@@ -154,7 +189,7 @@ Values read_dataset(hid_t data, std::size_t size) {
   Values values(size, typename Values::value_type{});
   const bool done = size == 0 || H5Dread(data, type_of(typename Values::value_type{}), H5S_ALL, H5S_ALL, H5P_DEFAULT,
                                          values.data()) >= 0;
-  if (!done) throw DamagedFile("its checksum does not fit its data");
+  if (!done) throw DamagedFile("its data cannot be read");
   return values;
 }
 
@@ -211,8 +246,9 @@ base::Columns read_columns(const fs::path& path, const std::string& group) {
                      path.string() + ": no permission to read it; change its permissions or copy it");
   const Quiet quiet;
   try {
+    require_sealed(path);
     const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    if (!file.sound()) throw DamagedFile("it is truncated, or no HDF5 file");
+    if (!file.sound()) throw DamagedFile("HDF5 cannot open it");
     std::vector<std::string> names;
     if (H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, remember_dataset, &names, H5O_INFO_BASIC) < 0)
       throw DamagedFile("its structure is damaged");

@@ -1,7 +1,6 @@
 #pragma once
-// Columns (base/columns.hpp) as an HDF5 file: one dataset per column, its name the path. Every dataset carries HDF5's
-// Fletcher-32 checksum, the file's own structure those of HDF5's newest format, so that a flipped bit is found on
-// reading.
+// Columns (base/columns.hpp) as an HDF5 file: one dataset per column, its name the path. Behind HDF5's part the file
+// ends with a CRC-32 of all of it, which is looked at before anything is read.
 #include <filesystem>
 #include <string>
 

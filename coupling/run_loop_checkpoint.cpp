@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.hpp"
 #include "coupling/column_file.hpp"
@@ -25,6 +26,15 @@ void largest(std::array<int, N>& values, const Roles& roles) {
   MPI_Request request;
   MPI_Iallreduce(mine.data(), values.data(), static_cast<int>(N), MPI_INT, MPI_MAX, roles.world, &request);
   wait_politely(request);
+}
+
+/// False when a side's motion has blown up without having been noticed: that is no state to go on from.
+bool is_finite(const base::Columns& columns) {
+  for (const char* name : {"nodes/velocity", "grains/state", "clumps/state"})
+    if (!std::ranges::all_of(base::column<std::vector<double>>(columns, name),
+                             [](double x) { return std::isfinite(x); }))
+      return false;
+  return true;
 }
 
 template <class Self, class Walk>
@@ -87,6 +97,7 @@ void RunLoop::write_checkpoint() {
   agree(roles.world, [&] {
     if (!roles.is_root()) return;
     if (roles.fem_ranks > 0 && !roles.is_fem_root()) bodies = receive_columns(roles.first_fem_rank, roles.world);
+    if (!is_finite(grains) || !is_finite(bodies)) return;
     base::Columns run, all;
     walk(*this, base::Saver(run));
     base::Saver saver(run);

@@ -67,23 +67,16 @@ TEST_F(Checkpoint, ComesBackAsItWasWritten) {
   EXPECT_EQ(group, coupling::group_of(sample(), "a/"));
 }
 
-// Fletcher-32 of the data, HDF5's own checksums of the rest: a flipped bit anywhere is seen, or lies in unused space.
+// CRC-32 finds every single flipped bit, wherever it lies.
 TEST_F(Checkpoint, DamageAnywhereIsSeen) {
   coupling::write_columns("c.h5", sample());
   const std::string sound = bytes("c.h5");
-  int refused = 0, tried = 0;
-  for (std::size_t at = 0; at < sound.size(); at += 41, ++tried) {
+  for (std::size_t at = 0; at < sound.size(); at += 41) {
     std::string damaged = sound;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
     std::ofstream("d.h5", std::ios::binary) << damaged;
-    try {
-      EXPECT_EQ(coupling::read_columns("d.h5", ""), sample()) << "byte " << at;
-    } catch (const coupling::DamagedFile&) {
-      ++refused;
-    }
+    EXPECT_EQ(error_of_reading("d.h5").substr(0, 27), "d.h5: cannot be used: it is") << "byte " << at;
   }
-  EXPECT_GT(tried, 50);
-  EXPECT_GT(refused, tried / 2);
 }
 
 TEST_F(Checkpoint, TruncatedFilesAreRefused) {
@@ -92,7 +85,7 @@ TEST_F(Checkpoint, TruncatedFilesAreRefused) {
   for (const std::uintmax_t left : {size - 1, size / 2, size / 10, std::uintmax_t{100}, std::uintmax_t{0}}) {
     fs::resize_file("c.h5", left);
     EXPECT_EQ(error_of_reading("c.h5"),
-              "c.h5: cannot be used: it is truncated, or no HDF5 file; name an earlier checkpoint");
+              "c.h5: cannot be used: it is truncated, or no checkpoint; name an earlier checkpoint");
   }
   EXPECT_EQ(error_of_reading("none.h5"), "none.h5: no such file; name a checkpoint-NNNN.h5");
 }
