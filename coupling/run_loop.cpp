@@ -333,7 +333,7 @@ void RunLoop::write_picture() {
   write_file(directory_ / "contact_forces.csv", contact_forces_text(contacts, wall_contacts));
 }
 
-/// One window, cut short where side has no partner and something is to happen earlier.
+/// One window; that of a side without partner ends where the next thing is to happen.
 void RunLoop::advance_to_next_instant(const Stage& stage) {
   const bool alone = !setup_.scene.has_bodies(), steered = steers_walls();
   double instant = std::min(place_.first + stage.duration, place_.next_picture);
