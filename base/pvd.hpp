@@ -16,6 +16,11 @@ class Pvd {
  public:
   explicit Pvd(std::filesystem::path file) : file_(std::move(file)) {}
 
+  /// What has been added so far, for go_on_after() of another life of the run.
+  const std::string& entries() const { return entries_; }
+  /// The next addition follows these; whatever else the file names goes then.
+  void go_on_after(const std::string& entries) { entries_ = entries; }
+
   /// Adds one data file (its path relative to the folder of the collection) at a time [s].
   /// Throws base::MachineError when the disk fails.
   void add(double time, const std::string& data_file) {

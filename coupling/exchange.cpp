@@ -184,4 +184,26 @@ void Exchange::finish_window() {
     if (peer.out_request != MPI_REQUEST_NULL) waited_ += wait_politely(peer.out_request);
 }
 
+void Exchange::save(base::Columns& grains, base::Columns& bodies) const {
+  if (roles_.is_dem)
+    base::Saver(grains).numbers("exchange", given_, given_sum_, window_, momentum_error_, seconds_, waited_);
+  if (!roles_.is_fem) return;
+  std::vector<base::Vec3> applied(static_cast<std::size_t>(roles_.fem_ranks));
+  MPI_Gather(&applied_, 3, MPI_DOUBLE, applied.data(), 3, MPI_DOUBLE, 0, roles_.fem);
+  if (roles_.is_fem_root()) base::Saver(bodies).rows("exchange/applied", applied);
+}
+
+void Exchange::restore(const base::Columns& grains, const base::Columns& bodies) {
+  if (roles_.is_dem)
+    base::Loader(grains).numbers("exchange", given_, given_sum_, window_, momentum_error_, seconds_, waited_);
+  if (!roles_.is_fem) return;
+  std::vector<base::Vec3> applied;
+  base::Loader(bodies).rows("exchange/applied", applied);
+  const bool same = applied.size() == static_cast<std::size_t>(roles_.fem_ranks);
+  const int mine = roles_.rank - roles_.first_fem_rank;
+  applied_ = {};
+  for (int rank = 0; rank < static_cast<int>(applied.size()); ++rank)
+    if (same ? rank == mine : roles_.is_fem_root()) applied_ += applied[static_cast<std::size_t>(rank)];
+}
+
 }  // namespace coupling

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "base/columns.hpp"
 #include "base/skin.hpp"
 #include "coupling/roles.hpp"
 #include "dem/dem.hpp"
@@ -44,6 +45,11 @@ class Exchange {
   double momentum_error() const { return momentum_error_; }
   double seconds() const { return seconds_; }        // [s] packing, posting, unpacking
   double seconds_waited() const { return waited_; }  // [s] waiting for the other side
+
+  /// What the next window's balance of momentum needs of this one, for a checkpoint: the DEM rank's into `grains`,
+  /// that of all FEM ranks into `bodies` of the first one. Collective.
+  void save(base::Columns& grains, base::Columns& bodies) const;
+  void restore(const base::Columns& grains, const base::Columns& bodies);
 
  private:
   struct Peer {

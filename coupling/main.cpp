@@ -140,9 +140,17 @@ int main(int argc, char** argv) {
   add_scene_arguments(*run_command, arguments);
   run_command->add_option("--out", arguments.out, "run directory (default: runs/<scene>)")->type_name("DIR");
   run_command->add_flag("--overwrite", arguments.options.overwrite, "replace the run directory if it exists");
+  run_command
+      ->add_option(
+          "--restart", arguments.options.restart,
+          "go on from a checkpoint: a file, a run directory (its newest), or auto (the run directory's, if it has "
+          "one)")
+      ->type_name("FILE");
   run_command->add_option("--until", arguments.until, "stop early at this simulated time")->type_name("TIME");
   run_command->footer(
-      "Example: trackbed run configs/cantilever_step.toml --out runs/beam --set body.hex8.element=tet4");
+      "Example: trackbed run configs/cantilever_step.toml --out runs/beam --set body.hex8.element=tet4\n"
+      "Checkpoints: [output] checkpoint_interval, checkpoint_wall_time; SIGUSR1 asks for one; SIGINT and SIGTERM leave "
+      "one and end the run.\nTo go on: trackbed run configs/cantilever_step.toml --restart runs/beam");
 
   CLI::App* check_command = app.add_subcommand("check", "read, mesh and size a scene; start nothing");
   add_scene_arguments(*check_command, arguments);

@@ -13,7 +13,9 @@
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
+#include "coupling/checkpoint.hpp"
 #include "coupling/grain_files.hpp"
+#include "coupling/interrupt.hpp"
 #include "coupling/modal_run.hpp"
 #include "coupling/run_files.hpp"
 #include "coupling/run_loop.hpp"
@@ -45,9 +47,9 @@ std::shared_ptr<Ring> open_log(bool root) {
 }
 
 /// From now on the log goes to run.log too, what was said before at its head.
-void move_log(const std::shared_ptr<Ring>& kept, const fs::path& directory) {
+void move_log(const std::shared_ptr<Ring>& kept, const fs::path& directory, bool anew) {
   if (!kept) return;
-  auto file = std::make_shared<spdlog::sinks::basic_file_sink_mt>((directory / "run.log").string(), true);
+  auto file = std::make_shared<spdlog::sinks::basic_file_sink_mt>((directory / "run.log").string(), anew);
   file->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
   for (const auto& message : kept->last_raw()) file->log(message);
   auto& sinks = spdlog::default_logger()->sinks();
@@ -87,32 +89,48 @@ void finish(const Setup& setup, const fs::path& directory, const FailureText& fa
                summary.wall, directory.string());
 }
 
+fs::path parent_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
 }  // namespace
 
 void run(const RunOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  Summary summary;
   Setup setup(MPI_COMM_WORLD, options);
   const Roles& roles = *setup.roles;
-  const fs::path directory = options.out.value_or(fs::path("runs") / options.scene.stem());
-  agree(roles.world, [&] {
-    if (roles.is_root()) check_run_directory(directory, options.overwrite);
-  });
   const auto kept = open_log(roles.is_root());
+  const CheckpointWatch watch;
+  fs::path directory = options.out.value_or(fs::path("runs") / options.scene.stem());
+  const auto restart = find_restart(options, setup.scene, roles, directory);
+  const fs::path earlier = restart ? parent_of(restart->file) : fs::path();
+  if (restart && !options.out) directory = earlier;
+  std::error_code ignored;
+  const bool in_place = restart && fs::equivalent(directory, earlier, ignored);
+  agree(roles.world, [&] {
+    if (!roles.is_root()) return;
+    base::require_user(!in_place || !options.overwrite || options.restart == "auto",
+                       fmt::format("--overwrite: the run in {} is the one to go on with; leave it out, or give another "
+                                   "--out",
+                                   directory.string()));
+    if (!in_place) check_run_directory(directory, options.overwrite);
+  });
   spdlog::info("{}", setup.scene.title);
 
   // Everything that can be refused is refused before an earlier run in the folder is touched.
-  Summary summary;
-  setup.place_grains(summary);
+  if (restart)
+    setup.restore(*restart, summary);
+  else
+    setup.place_grains(summary);
   agree(roles.world, [&] {
     if (!roles.is_root()) return;
+    if (in_place) return move_log(kept, directory, false);
     make_run_directory(directory, options.overwrite);
+    if (restart) copy_results(earlier, directory);
     write_file(directory / "scene.resolved.toml", setup.scene.resolved_toml);
-    if (setup.grains) {
+    if (setup.grains && !restart) {
       const std::string sieves = sieve_curve_text(setup.scene, setup.grains->grains());
       if (!sieves.empty()) write_file(directory / "sieve_curve.csv", sieves);
     }
-    move_log(kept, directory);
+    move_log(kept, directory, true);
   });
   Series series;
   const FailureText failure = caught([&] {
@@ -120,10 +138,10 @@ void run(const RunOptions& options) {
       run_modal(setup, directory, summary, series);
       return;
     }
-    RunLoop loop(setup, directory, summary, series);
+    RunLoop loop(setup, directory, summary, series, restart ? &*restart : nullptr);
     loop.run(options.until);
   });
-  summary.wall = elapsed();
+  summary.wall = summary.wall_so_far();
   const FailureText written = caught([&] {
     agree(roles.world, [&] {
       if (roles.is_root()) finish(setup, directory, failure, summary, series);

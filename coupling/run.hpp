@@ -17,6 +17,7 @@ struct RunOptions {
   std::optional<double> until;   // [s] stop early at this simulated time
   std::string backend = "auto";  // auto | omp | cuda
   int threads = 0;               // 0: chosen
+  std::string restart;           // a checkpoint, a folder that holds some, or `auto`; empty: from the start
 };
 
 /// Collective over MPI_COMM_WORLD. Throws the same base:: error on every rank.

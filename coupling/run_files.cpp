@@ -41,22 +41,44 @@ void check_run_directory(const fs::path& directory, bool overwrite) {
   }
 }
 
-/// What a run leaves behind: its files by name, each .pvd with the folder of its data.
-void remove_run(const fs::path& directory) {
-  std::error_code error;
-  std::vector<fs::path> gone{directory / "pictures"};
+namespace {
+
+/// What a run leaves behind beside checkpoints, log and summary: tables, and each .pvd with the folder of its data.
+std::vector<fs::path> results_in(const fs::path& directory) {
+  std::vector<fs::path> results;
   for (const auto& entry : fs::directory_iterator(directory)) {
     const fs::path& path = entry.path();
     const std::string name = path.filename().string();
-    if (path.extension() == ".pvd") gone.push_back(directory / path.stem());
-    if (path.extension() == ".pvd" || path.extension() == ".part" || name == "scene.resolved.toml" ||
-        name == "summary.json" || name == "history.csv" || name == "run.log" || name == "sieve_curve.csv" ||
-        name == "spectra.csv" || name == "contact_forces.csv")
-      gone.push_back(path);
+    if (path.extension() == ".pvd" && fs::exists(directory / path.stem())) results.push_back(directory / path.stem());
+    if (path.extension() == ".pvd" || name == "scene.resolved.toml" || name == "history.csv" ||
+        name == "sieve_curve.csv" || name == "spectra.csv" || name == "contact_forces.csv")
+      results.push_back(path);
+  }
+  return results;
+}
+
+void remove_run(const fs::path& directory) {
+  std::error_code error;
+  std::vector<fs::path> gone = results_in(directory);
+  gone.insert(gone.end(), {directory / "pictures", directory / "summary.json", directory / "run.log"});
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    const std::string name = entry.path().filename().string();
+    if (name.ends_with(".part") || (name.starts_with("checkpoint-") && name.ends_with(".h5")))
+      gone.push_back(entry.path());
   }
   for (const fs::path& path : gone) {
     fs::remove_all(path, error);
     if (error) throw base::MachineError(fmt::format("{}: cannot be removed ({})", path.string(), error.message()));
+  }
+}
+
+}  // namespace
+
+void copy_results(const fs::path& from, const fs::path& to) {
+  for (const fs::path& path : results_in(from)) {
+    std::error_code error;
+    fs::copy(path, to / path.filename(), fs::copy_options::recursive | fs::copy_options::overwrite_existing, error);
+    if (error) throw base::MachineError(fmt::format("{}: cannot be copied ({})", path.string(), error.message()));
   }
 }
 
@@ -85,6 +107,23 @@ void write_file(const fs::path& path, const std::string& text) {
 HistoryFile::HistoryFile(const fs::path& path, std::span<const std::string> columns) : path_(path), file_(path) {
   file_ << fmt::format("{}\n", fmt::join(columns, ","));
   if (!file_.flush()) throw base::MachineError(fmt::format("{}: cannot be written; is the disk full?", path.string()));
+}
+
+HistoryFile::HistoryFile(const fs::path& path, std::uintmax_t kept) : path_(path) {
+  std::error_code error;
+  const std::uintmax_t there = fs::file_size(path, error);
+  base::require_user(!error && there >= kept,
+                     fmt::format("{}: {} bytes, the checkpoint was written after {}; put the file back, or start a new "
+                                 "run without --restart",
+                                 path.string(), error ? 0 : there, kept));
+  fs::resize_file(path, kept, error);
+  if (!error) file_.open(path, std::ios::app);
+  if (error || !file_) throw base::MachineError(fmt::format("{}: cannot be written", path.string()));
+}
+
+std::uintmax_t HistoryFile::size() {
+  file_.seekp(0, std::ios::end);
+  return static_cast<std::uintmax_t>(file_.tellp());
 }
 
 void HistoryFile::row(std::span<const double> values) {

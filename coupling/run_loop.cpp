@@ -7,9 +7,11 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/error.hpp"
 #include "coupling/grain_files.hpp"
+#include "coupling/instants.hpp"
 #include "coupling/interrupt.hpp"
 #include "coupling/packing.hpp"
 
@@ -27,11 +29,6 @@ FailureText timed(double& seconds, const std::function<void()>& work) {
   FailureText failure = caught(work);
   seconds += seconds_since(start);
   return failure;
-}
-
-/// The first of the instants that come after `now`; an interval shorter than the steps asks for every step.
-double next_instant(double instant, double now, double interval) {
-  return instant > now ? instant : instant + interval * (std::floor((now - instant) / interval) + 1);
 }
 
 std::vector<std::string> history_columns(const Scene& scene) {
@@ -57,15 +54,19 @@ void append_energy(std::vector<double>& row, const Sides& sides, const Ledger& l
 
 }  // namespace
 
-RunLoop::RunLoop(Setup& setup, std::filesystem::path directory, Summary& summary, Series& series)
+RunLoop::RunLoop(Setup& setup, std::filesystem::path directory, Summary& summary, Series& series,
+                 const Restart* restart)
     : setup_(setup),
       directory_(std::move(directory)),
       summary_(summary),
       series_(series),
       sampler_(*setup.roles, setup.scene, setup.grains.get(), setup.bodies.get(), setup.skins, setup.skin_walls,
-               setup.named_walls) {
+               setup.named_walls),
+      checkpoints_(directory_),
+      next_checkpoint_(setup.scene.output.checkpoint_interval) {
   for (const auto& stage : setup.scene.stages) total_ += stage.duration;
   agree(setup.roles->world, [&] {
+    if (restart) return go_on_from(*restart);
     if (setup_.roles->is_root())
       history_ = std::make_unique<HistoryFile>(directory_ / "history.csv", history_columns(setup_.scene));
   });
@@ -235,12 +236,7 @@ bool RunLoop::step_window() {
 
 void RunLoop::observe(bool picture, bool final) {
   const auto start = Clock::now();
-  agree(setup_.roles->world, [&] {
-    raise(failure_);
-    if (const char* signal = InterruptWatch::signal())
-      throw base::InterruptedError(
-          fmt::format("t = {:.6g} s: {}; results up to here are in {}", time_, signal, directory_.string()));
-  });
+  agree(setup_.roles->world, [&] { raise(failure_); });
   const auto sample = sampler_.sample(time_, picture);
   agree(setup_.roles->world, [&] {
     if (setup_.grains && setup_.scene.time.force_step) guard_flight();
@@ -337,47 +333,57 @@ void RunLoop::write_picture() {
   write_file(directory_ / "contact_forces.csv", contact_forces_text(contacts, wall_contacts));
 }
 
-void RunLoop::run(std::optional<double> until) {
+/// One window; that of a side without partner ends where the next thing is to happen.
+void RunLoop::advance_to_next_instant(const Stage& stage) {
+  const bool alone = !setup_.scene.has_bodies(), steered = steers_walls();
+  double instant = std::min(place_.first + stage.duration, place_.next_picture);
+  if (setup_.scene.output.probe_interval > 0) instant = std::min(instant, place_.next_probe);
+  if (stage.ramp_stiffness) instant = std::min(instant, time_ + 16 * setup_.window.dt_dem);
+  if (steered) instant = std::min(instant, time_ + 32 * setup_.window.dt_dem);
+  setup_.aim_at(instant - time_);
+  if (stage.ramp_stiffness && (alone || place_.windows % 16 == 0)) ramp((time_ - place_.first) / stage.duration);
+  if (setup_.grains && steered) load_walls();
+  if (!step_window()) raise({Failure::internal, ""});
+}
+
+bool RunLoop::run_stage(const Stage& stage, std::optional<double> until) {
   const auto& output = setup_.scene.output;
-  const auto start = Clock::now();
-  FailureText stop;
-  const bool steered = steers_walls();
+  const double picture_interval = output.interval > 0 ? output.interval : stage.duration;
+  if (!goes_on_) {
+    setup_.choose_window(std::numeric_limits<double>::infinity());
+    setup_.fit_to(stage.duration);
+    obey_contacts();
+    begin(stage);
+    place_ = {time_, time_ + output.probe_interval, time_ + picture_interval, 0};
+  }
+  const double end = place_.first + stage.duration;
+  for (bool alone = !setup_.scene.has_bodies();; ++place_.windows) {
+    if (!std::exchange(goes_on_, false)) advance_to_next_instant(stage);
+    // An instant has come when the middle of the next window (or of the next step, where windows are cut to fit)
+    // would lie beyond it.
+    const double half = 0.5 * (alone ? setup_.window.dt_dem : setup_.window.length());
+    const bool enough = until && time_ >= *until;
+    const bool last = time_ + half >= end || enough;
+    const bool picture = last || time_ + half >= place_.next_picture;
+    const bool sampling = picture || time_ + half >= place_.next_probe;
+    look_after_checkpoints(half, sampling);
+    if (sampling) observe(picture, enough);
+    if (output.probe_interval > 0)
+      place_.next_probe = next_instant(place_.next_probe, time_ + half, output.probe_interval);
+    place_.next_picture = next_instant(place_.next_picture, time_ + half, picture_interval);
+    progress_.show(stage.name, time_, time_ / total_, static_cast<double>(windows_) / seconds_since(start_),
+                   ledger_.relative_error());
+    if (enough) return false;
+    if (last) return true;
+  }
+}
+
+void RunLoop::run(std::optional<double> until) {
   const InterruptWatch watch;
-  stop = caught([&] {
-    for (const auto& stage : setup_.scene.stages) {
-      setup_.choose_window(std::numeric_limits<double>::infinity());
-      setup_.fit_to(stage.duration);
-      obey_contacts();
-      begin(stage);
-      const double first = time_, end = first + stage.duration;
-      const double picture_interval = output.interval > 0 ? output.interval : stage.duration;
-      double next_probe = first + output.probe_interval, next_picture = first + picture_interval;
-      for (std::int64_t window = 0;; ++window) {
-        const bool alone = !setup_.scene.has_bodies();
-        double instant = std::min(end, next_picture);
-        if (output.probe_interval > 0) instant = std::min(instant, next_probe);
-        if (stage.ramp_stiffness) instant = std::min(instant, time_ + 16 * setup_.window.dt_dem);
-        if (steered) instant = std::min(instant, time_ + 32 * setup_.window.dt_dem);
-        setup_.aim_at(instant - time_);
-        if (stage.ramp_stiffness && (alone || window % 16 == 0)) ramp((time_ - first) / stage.duration);
-        if (setup_.grains && steered) load_walls();
-        if (!step_window()) raise({Failure::internal, ""});
-        // An instant has come when the middle of the next window (or of the next step, where windows are cut to fit)
-        // would lie beyond it.
-        const double half = 0.5 * (alone ? setup_.window.dt_dem : setup_.window.length());
-        const bool enough = until && time_ >= *until;
-        const bool last = time_ + half >= end || enough;
-        const bool picture = last || time_ + half >= next_picture;
-        if (picture || time_ + half >= next_probe) observe(picture, enough);
-        if (output.probe_interval > 0) next_probe = next_instant(next_probe, time_ + half, output.probe_interval);
-        next_picture = next_instant(next_picture, time_ + half, picture_interval);
-        progress_.show(stage.name, time_, time_ / total_, static_cast<double>(windows_) / seconds_since(start),
-                       ledger_.relative_error());
-        if (enough) return;
-        if (last) break;
-      }
-      ++stage_;
-    }
+  const FailureText stop = caught([&] {
+    const auto& stages = setup_.scene.stages;
+    for (; stage_ < static_cast<int>(stages.size()); ++stage_)
+      if (!run_stage(stages[static_cast<std::size_t>(stage_)], until)) return;
     agree(setup_.roles->world, [&] {
       if (measuring_ && setup_.roles->is_root()) guard_energy(0);
     });
@@ -385,9 +391,10 @@ void RunLoop::run(std::optional<double> until) {
   progress_.clear();
   // Whoever left the loop does so for its own failure, for the other side's, or for one already agreed on.
   if (stop.kind != Failure::none && failure_.kind == Failure::none && !stop.text.empty()) failure_ = stop;
-  const FailureText agreed = caught([&] { agree(setup_.roles->world, [&] { raise(failure_); }); });
+  FailureText agreed = caught([&] { agree(setup_.roles->world, [&] { raise(failure_); }); });
   if (agreed.kind == Failure::interrupted) agree(setup_.roles->world, [&] { write_picture(); });
   close_summary();
+  if (agreed.kind != Failure::none) agreed.text += next_steps(agreed.kind);
   raise(agreed);
 }
 

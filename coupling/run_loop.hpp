@@ -7,11 +7,13 @@
 //        the same instant, as a single velocity-Verlet step of the whole would.
 //        n_fem > 1: send the skin extrapolated over the window, receive, then n_fem steps under that force.
 //   DEM: receive, n_dem steps over the moving skin, send impulse / W.
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
 
 #include "coupling/agree.hpp"
+#include "coupling/checkpoint.hpp"
 #include "coupling/progress.hpp"
 #include "coupling/run_files.hpp"
 #include "coupling/sampler.hpp"
@@ -23,7 +25,8 @@ namespace coupling {
 
 class RunLoop {
  public:
-  RunLoop(Setup&, std::filesystem::path directory, Summary&, Series&);
+  /// With a restart the run goes on from there. Collective.
+  RunLoop(Setup&, std::filesystem::path directory, Summary&, Series&, const Restart* = nullptr);
   /// All stages, or up to this simulated time [s]. Collective; throws the same error on every rank.
   void run(std::optional<double> until);
 
@@ -34,8 +37,10 @@ class RunLoop {
   void zero();
   void use_friction(bool of_packing);
   void ramp(double share);
-  bool steers_walls() const;  // some wall is pulled by a load that may change
-  bool step_window();         // false: this rank or the other side has failed
+  bool steers_walls() const;                                  // some wall is pulled by a load that may change
+  bool run_stage(const Stage&, std::optional<double> until);  // false: stopped before its end
+  void advance_to_next_instant(const Stage&);
+  bool step_window();  // false: this rank or the other side has failed
   bool fem_begin();
   bool dem_window();
   bool fem_end();
@@ -46,6 +51,13 @@ class RunLoop {
   void write_picture();
   std::unique_ptr<dem::Writer> make_writer(std::span<const dem::Grain> reference) const;
   void close_summary();
+  // run_loop_checkpoint.cpp
+  void look_after_checkpoints(double half, bool sampling);
+  void write_checkpoint();
+  void go_on_from(const Restart&);
+  template <class Self, class Walk>
+  static void walk(Self&, Walk&&);
+  std::string next_steps(Failure) const;  // what a failed run can go on from, in words
 
   Setup& setup_;
   std::filesystem::path directory_;
@@ -55,10 +67,19 @@ class RunLoop {
   Progress progress_;
   std::unique_ptr<HistoryFile> history_;
   std::unique_ptr<dem::Writer> writer_;
+  CheckpointFolder checkpoints_;
+  std::chrono::steady_clock::time_point last_checkpoint_ = std::chrono::steady_clock::now(), start_ = last_checkpoint_;
   FailureText failure_;  // of this rank
   Ledger ledger_;
   double time_ = 0, total_ = 0;
   int stage_ = 0;
+  /// Where the present stage began, what comes next in it [s], and how many windows it has had.
+  struct Place {
+    double first = 0, next_probe = 0, next_picture = 0;
+    std::int64_t windows = 0;
+  } place_;
+  double next_checkpoint_ = 0;
+  bool goes_on_ = false;                      // the next window has been done already, before the restart
   bool packing_friction_ = false;             // grains have the friction of their packing
   bool measuring_ = false, removed_ = false;  // removed: walls, at the start of this stage
   double smallest_contact_step_ = 0;

@@ -190,4 +190,45 @@ double Sampler::grain_probe(const Probe& probe) const {
   }
 }
 
+template <class Self, class Walk>
+void Sampler::walk(Self& self, Walk&& walk) {
+  const std::size_t probes = self.kept_.size();
+  std::vector<Vec3> starts(probes), zeros(probes);
+  std::vector<std::int64_t> marked(probes, -1);
+  std::vector<int> zeroed(probes, 0);
+  for (std::size_t p = 0; p < probes; ++p) {
+    const Probe& probe = self.scene_.probes[p];
+    if (const auto mark = self.marks_.find(probe.name); mark != self.marks_.end()) {
+      marked[p] = mark->second.id;
+      starts[p] = mark->second.start;
+    }
+    if (const auto zero = self.wall_zero_.find(probe.wall); zero != self.wall_zero_.end()) {
+      zeroed[p] = 1;
+      zeros[p] = zero->second;
+    }
+  }
+  walk.rows("kept", self.kept_);
+  walk.rows("grain", marked);
+  walk.rows("grain_start", starts);
+  walk.rows("wall_zeroed", zeroed);
+  walk.rows("wall_zero", zeros);
+  if constexpr (std::remove_reference_t<Walk>::loads) {
+    base::require_user(self.kept_.size() == probes && marked.size() == probes && zeroed.size() == probes,
+                       "its probes are others");
+    for (std::size_t p = 0; p < probes; ++p) {
+      const Probe& probe = self.scene_.probes[p];
+      if (marked[p] >= 0) self.marks_[probe.name] = {marked[p], starts[p]};
+      if (zeroed[p]) self.wall_zero_[probe.wall] = zeros[p];
+    }
+  }
+}
+
+base::Columns Sampler::save() const {
+  base::Columns columns;
+  walk(*this, base::Saver(columns));
+  return columns;
+}
+
+void Sampler::restore(const base::Columns& columns) { walk(*this, base::Loader(columns)); }
+
 }  // namespace coupling

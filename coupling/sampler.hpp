@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/columns.hpp"
 #include "coupling/exchange.hpp"
 #include "coupling/grain_probes.hpp"
 #include "coupling/ledger.hpp"
@@ -35,7 +36,13 @@ class Sampler {
   /// A scene wall that has been taken away: no force any more, its last place.
   void forget_wall(std::size_t wall) { named_walls_[wall] = -1; }
 
+  /// Zeros, chosen grains and last values, for a checkpoint (on the root).
+  base::Columns save() const;
+  void restore(const base::Columns&);
+
  private:
+  template <class Self, class Walk>
+  static void walk(Self&, Walk&&);
   double grain_probe(const Probe&) const;
   double body_probe(const Probe&) const;
   double contact_force(const Probe&) const;

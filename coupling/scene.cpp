@@ -31,7 +31,12 @@ TimeSettings read_time(const Value& table) {
 }
 
 Output read_output(const Value& table) {
-  Output output{table.at("interval").real(), table.at("probe_interval").real(), table.at("contacts").boolean(), {}};
+  Output output;
+  output.interval = table.at("interval").real();
+  output.probe_interval = table.at("probe_interval").real();
+  output.checkpoint_interval = table.at("checkpoint_interval").real();
+  output.checkpoint_wall_time = table.at("checkpoint_wall_time").real();
+  output.contacts = table.at("contacts").boolean();
   if (const Value* sieves = table.find("sieves")) output.sieves = sieves->reals();
   return output;
 }

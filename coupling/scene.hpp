@@ -266,10 +266,12 @@ struct SpectrumScene {
 };
 
 struct Output {
-  double interval = 0;         // [s] between pictures of the state; 0: only the last
-  double probe_interval = 0;   // [s] between rows of history.csv; 0: every window
-  bool contacts = false;       // write contacts.pvd (force chains) and contact_forces.csv
-  std::vector<double> sieves;  // [m] of sieve_curve.csv; empty: those of the packing's grading
+  double interval = 0;              // [s] between pictures of the state; 0: only the last
+  double probe_interval = 0;        // [s] between rows of history.csv; 0: every window
+  double checkpoint_interval = 0;   // [s] simulated, between checkpoints; 0: none
+  double checkpoint_wall_time = 0;  // [s] on the clock, likewise
+  bool contacts = false;            // write contacts.pvd (force chains) and contact_forces.csv
+  std::vector<double> sieves;       // [m] of sieve_curve.csv; empty: those of the packing's grading
 };
 
 struct Scene {

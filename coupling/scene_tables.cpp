@@ -533,6 +533,11 @@ const Table& output_table() {
       "what is written, how often",
       {base::real("interval", "s", "between pictures of the state; 0: only the last").at_least(0).otherwise(0.0),
        base::real("probe_interval", "s", "between rows of history.csv; 0: every window").at_least(0).otherwise(0.0),
+       base::real("checkpoint_interval", "s", "simulated time between checkpoints; 0: none").at_least(0).otherwise(0.0),
+       base::real("checkpoint_wall_time", "s",
+                  "wall time between checkpoints, as found with rows of history.csv; 0: none")
+           .at_least(0)
+           .otherwise(0.0),
        base::boolean("contacts", "write contacts.pvd (force chains) and contact_forces.csv").otherwise(false),
        base::reals("sieves", "m", "of sieve_curve.csv, the grains as the run starts with them")
            .above(0)

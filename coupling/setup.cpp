@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
+#include "coupling/checkpoint.hpp"
 #include "coupling/model_checks.hpp"
 #include "coupling/packing.hpp"
 #include "coupling/wall_mesh.hpp"
@@ -104,6 +105,23 @@ void Setup::add_walls() {
   }
 }
 
+void Setup::make_simulation() {
+  const auto& part = *scene.grains;
+  dem::Setup dem_setup;
+  dem_setup.materials = part.materials;
+  dem_setup.interactions = part.interactions;
+  dem_setup.gravity = scene.gravity;
+  dem_setup.skin = part.neighbour_skin;
+  dem_setup.rotations = part.rotations;
+  dem_setup.rotation_scheme = part.rotation_scheme;
+  dem_setup.time_scheme = scene.time.integrator;
+  dem_setup.precision = part.precision;
+  dem_setup.periods = part.periods;
+  dem_setup.maximum_overlap = part.maximum_overlap;
+  grains = dem::Simulation::create(dem_setup, backend);
+  add_shapes(*grains, part.shapes);
+}
+
 void Setup::place_grains(Summary& summary) {
   agree(roles->world, [&] {
     if (!roles->is_dem) return;
@@ -127,19 +145,7 @@ void Setup::place_grains(Summary& summary) {
                    report.coordination,
                    report.from_cache ? "packing from the cache" : fmt::format("packed in {:.0f} s", report.seconds));
     }
-    dem::Setup dem_setup;
-    dem_setup.materials = part.materials;
-    dem_setup.interactions = part.interactions;
-    dem_setup.gravity = scene.gravity;
-    dem_setup.skin = part.neighbour_skin;
-    dem_setup.rotations = part.rotations;
-    dem_setup.rotation_scheme = part.rotation_scheme;
-    dem_setup.time_scheme = scene.time.integrator;
-    dem_setup.precision = part.precision;
-    dem_setup.periods = part.periods;
-    dem_setup.maximum_overlap = part.maximum_overlap;
-    grains = dem::Simulation::create(dem_setup, backend);
-    add_shapes(*grains, part.shapes);
+    make_simulation();
     grains->add_grains(list);
     grains->add_bonds(make_bonds(part.bonding, list));
     add_walls();
@@ -148,6 +154,45 @@ void Setup::place_grains(Summary& summary) {
     look_at_the_start();
   });
   if (scene.has_grains()) MPI_Bcast(&dem_limit.limit, 1, MPI_DOUBLE, roles->dem_rank, roles->world);
+  choose_window(std::numeric_limits<double>::infinity());
+  report_steps();
+}
+
+template <class Self, class Of, class Walk>
+void Setup::walk(Self& self, Of& summary, Walk&& walk) {
+  walk.rows("named_walls", self.named_walls);
+  walk.numbers("dem_limit", self.dem_limit.limit);
+  walk.text("dem_limiter", self.dem_limit.limiter);
+  walk.numbers("packing", summary.packed, summary.packing_from_cache, summary.packing_wall, summary.porosity,
+               summary.porosity_asked, summary.packing_friction, summary.coordination);
+  int steps = static_cast<int>(summary.packing_steps.size());
+  walk.numbers("packing_steps", steps);
+  if constexpr (std::remove_reference_t<Walk>::loads) summary.packing_steps.resize(static_cast<std::size_t>(steps));
+  for (int k = 0; k < steps; ++k) {
+    auto& step = summary.packing_steps[static_cast<std::size_t>(k)];
+    walk.text(fmt::format("packing_step_{}/what", k), step.what);
+    walk.numbers(fmt::format("packing_step_{}/numbers", k), step.number, step.taken, step.porosity_before,
+                 step.porosity_after);
+  }
+}
+
+void Setup::save(base::Columns& run, const Summary& summary) const { walk(*this, summary, base::Saver(run)); }
+
+void Setup::restore(const Restart& restart, Summary& summary) {
+  agree(roles->world, [&] {
+    try {
+      if (roles->is_dem) {
+        make_simulation();
+        add_walls();
+        grains->restore(group_of(restart.columns, "grains/"));
+      }
+      walk(*this, summary, base::Loader(group_of(restart.columns, "run/")));
+      if (bodies) bodies->restore(group_of(restart.columns, "bodies/"));
+    } catch (const base::UserError& error) {
+      throw base::UserError(
+          fmt::format("{}: does not fit: {}; start a new run without --restart", restart.file.string(), error.what()));
+    }
+  });
   choose_window(std::numeric_limits<double>::infinity());
   report_steps();
 }

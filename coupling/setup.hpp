@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/columns.hpp"
 #include "coupling/exchange.hpp"
 #include "coupling/roles.hpp"
 #include "coupling/run.hpp"
@@ -13,6 +14,8 @@
 #include "coupling/window.hpp"
 
 namespace coupling {
+
+struct Restart;
 
 class Setup {
  public:
@@ -24,6 +27,10 @@ class Setup {
 
   /// Packs or places the grains, adds the walls, chooses the steps. Collective.
   void place_grains(Summary&);
+  /// Instead of that: both sides go on from a checkpoint. Collective.
+  void restore(const Restart&, Summary&);
+  /// What a checkpoint needs beside the two sides' states: steps, walls, what the summary says of the packing.
+  void save(base::Columns& run, const Summary&) const;
 
   /// Longest DEM step [s] wanted: the hand-set one, or the fraction of the Rayleigh limit.
   double wanted_dem_step() const;
@@ -53,6 +60,9 @@ class Setup {
   Window window;                             // every rank
 
  private:
+  template <class Self, class Of, class Walk>
+  static void walk(Self&, Of& summary, Walk&&);
+  void make_simulation();
   void choose_backend();
   void add_walls();
   int add_mesh_wall(const WallScene&);

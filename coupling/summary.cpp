@@ -102,6 +102,7 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
   if (!run.message.empty()) json["message"] = run.message;
   json["time_simulated_s"] = run.time_simulated;
   json["wall_s"] = run.wall;
+  if (!run.restarted_from.empty()) json["restarted_from"] = run.restarted_from;
   json["ranks"] = run.ranks;
   json["threads"] = run.threads;
   json["backend"] = run.backend;

@@ -1,5 +1,6 @@
 #pragma once
 // summary.json: what a run was, did and found, for programs; the end table is for people.
+#include <chrono>
 #include <map>
 #include <span>
 #include <string>
@@ -13,6 +14,9 @@ namespace coupling {
 struct Summary {
   std::string scene, title, status = "failed", message;   // status: completed | unstable | failed
   double time_simulated = 0, wall = 0, packing_wall = 0;  // [s]
+  double earlier_wall = 0;                                // [s] before the run was restarted
+  std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
+  std::string restarted_from;  // checkpoint; empty: from the start
   int ranks = 1, threads = 1;
   std::string backend, precision = "double";
   std::string solver;                 // of the bodies; empty without any
@@ -30,6 +34,10 @@ struct Summary {
   std::vector<PackingStep> packing_steps;
   bool packed = false, packing_from_cache = false;
   std::size_t dem_bytes = 0;
+
+  double wall_so_far() const {
+    return earlier_wall + std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  }
 };
 
 /// The text of summary.json.

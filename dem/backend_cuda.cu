@@ -9,6 +9,7 @@
 #include "dem/core/system_growth.hpp"
 #include "dem/core/system_measure.hpp"
 #include "dem/core/system_setup.hpp"
+#include "dem/core/system_state.hpp"
 
 namespace dem {
 

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/columns.hpp"
 #include "base/energy.hpp"
 #include "base/skin.hpp"
 #include "base/vec3.hpp"
@@ -228,6 +229,15 @@ class Simulation {
   virtual StableStep stable_step() const = 0;
   /// 2/omega_max bound from the live contacts (normal and shear stiffness, damping, grain and wall-node free side).
   virtual StableStep contact_stable_step() const = 0;
+
+  // ---- checkpoint
+  /// All that the steps to come depend on, between two calls of advance(). The lists of neighbours are part of it, so
+  /// that saving leaves no trace in the simulation that goes on, at whatever moment it is done.
+  virtual base::Columns save() const = 0;
+  /// Goes on from there, on the same number of threads bit for bit. The simulation must be new: of the same Setup and
+  /// backend, with the same shapes and walls added (and bodies made of them) in the same order, without grains. Throws
+  /// base::UserError when the columns do not fit.
+  virtual void restore(const base::Columns&) = 0;
 
   // ---- measurement (host copies; not for every step)
   virtual base::Energy energy() const = 0;

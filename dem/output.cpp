@@ -275,4 +275,35 @@ void Writer::write_contacts(double time, std::span<const GrainContact> grain_con
   ++contact_levels_;
 }
 
+template <class Self, class Walk>
+void Writer::walk(Self& self, Walk&& walk) {
+  std::vector<std::int64_t> ids;
+  std::vector<Vec3> positions;
+  std::string grains = self.grains_collection_.entries(), contacts = self.contacts_collection_.entries();
+  for (const auto& [id, position] : self.reference_) {
+    ids.push_back(id);
+    positions.push_back(position);
+  }
+  walk.rows("reference/id", ids);
+  walk.rows("reference/position", positions);
+  walk.numbers("levels", self.grain_levels_, self.contact_levels_);
+  walk.text("grains", grains);
+  walk.text("contacts", contacts);
+  if constexpr (std::remove_reference_t<Walk>::loads) {
+    base::require_user(ids.size() == positions.size(), "positions at the zero of displacement are missing");
+    self.reference_.clear();
+    for (std::size_t g = 0; g < ids.size(); ++g) self.reference_.emplace(ids[g], positions[g]);
+    self.grains_collection_.go_on_after(grains);
+    self.contacts_collection_.go_on_after(contacts);
+  }
+}
+
+base::Columns Writer::save() const {
+  base::Columns columns;
+  walk(*this, base::Saver(columns));
+  return columns;
+}
+
+void Writer::restore(const base::Columns& columns) { walk(*this, base::Loader(columns)); }
+
 }  // namespace dem

@@ -54,7 +54,14 @@ class Writer {
   /// positive), wall [-] (number of the wall; -1 between grains).
   void write_contacts(double time, std::span<const GrainContact>, std::span<const WallContact>);
 
+  /// The zero of displacement and what has been written, for a checkpoint; restore() goes on after it.
+  base::Columns save() const;
+  void restore(const base::Columns&);
+
  private:
+  template <class Self, class Walk>
+  static void walk(Self&, Walk&&);
+
   std::filesystem::path run_directory_;
   std::vector<Clump> shapes_;
   std::array<Period, 3> periods_;

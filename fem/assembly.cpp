@@ -155,6 +155,31 @@ std::vector<int> Assembly::elements_of(int body) const {
   return result;
 }
 
+Assembly::Histories Assembly::histories(int body) const {
+  Histories all;
+  for (const auto* parts : {&interior_, &border_}) {
+    for (const auto& part : *parts) {
+      if (part.body != body) continue;
+      all.sizes.insert(all.sizes.end(), part.elements.size(), part.block->history_size());
+      part.block->read_history(all.values);
+    }
+  }
+  return all;
+}
+
+void Assembly::set_histories(int body, const std::vector<double>& values) {
+  std::size_t next = 0;
+  for (auto* parts : {&interior_, &border_}) {
+    for (auto& part : *parts) {
+      if (part.body != body) continue;
+      const std::size_t size = part.elements.size() * part.block->history_size();
+      base::require_internal(next + size <= values.size(), "histories of other elements");
+      part.block->set_history(values.data() + next);
+      next += size;
+    }
+  }
+}
+
 Assembly::Limiter Assembly::limiter(double rate) const {
   Limiter limiter;
   // among elements that are alike the first in the mesh, so that the answer is the same on any number of ranks

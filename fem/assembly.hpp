@@ -47,6 +47,14 @@ class Assembly {
   bool has_simple_energy(int body) const;
   std::vector<int> elements_of(int body) const;
 
+  /// What the laws of this rank's elements of a body remember, and how many numbers each element has, in that order.
+  struct Histories {
+    std::vector<int> sizes;
+    std::vector<double> values;
+  };
+  Histories histories(int body) const;
+  void set_histories(int body, const std::vector<double>& values);
+
   /// The element with the largest eigenvalue of M^-1 (K + rate C) of its own, over all ranks. Collective.
   struct Limiter {
     double eigenvalue = 0;  // [1/s2] never below the largest of the assembled bodies

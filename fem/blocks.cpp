@@ -295,6 +295,26 @@ void ElementBlock::advance(const double* displacements, const double* velocities
   losses.plastic_work += lost[1];
 }
 
+int ElementBlock::history_size() const {
+  return batches_ == 0 ? 0 : static_cast<int>(history_.size()) / (batches_ * lanes_);
+}
+
+void ElementBlock::read_history(std::vector<double>& result) const {
+  const int size = history_size();
+  for (int e = 0; e < elements_; ++e)
+    for (int i = 0; i < size; ++i)
+      result.push_back(history_[(static_cast<std::size_t>(e / lanes_) * size + i) * lanes_ + e % lanes_]);
+}
+
+void ElementBlock::set_history(const double* values) {
+  const int size = history_size();
+  for (int slot = 0; slot < batches_ * lanes_; ++slot) {
+    const std::size_t e = std::min(slot, elements_ - 1);  // idle lanes repeat the last element
+    for (int i = 0; i < size; ++i)
+      history_[(static_cast<std::size_t>(slot / lanes_) * size + i) * lanes_ + slot % lanes_] = values[e * size + i];
+  }
+}
+
 void ElementBlock::add_lumped_mass(double* nodal_mass) const {
   for (int e = 0; e < elements_; ++e) {
     for (int a = 0; a < element_nodes_; ++a) {

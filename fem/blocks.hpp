@@ -80,6 +80,10 @@ class ElementBlock {
   virtual void plastic_strains(std::vector<double>& result) const = 0;
   /// Frees what only add_lumped_mass() and largest_element_eigenvalue() read; they may not be called after.
   void forget_masses() { node_volume_ = {}; }
+  /// What the law remembers, element by element; the same count of numbers for each.
+  int history_size() const;
+  void read_history(std::vector<double>& result) const;
+  void set_history(const double* values);
   /// Adds each element's lumped mass [kg] to its nodes.
   void add_lumped_mass(double* nodal_mass) const;
 

@@ -3,6 +3,7 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -88,6 +89,21 @@ void on_first_rank(MPI_Comm comm, Call&& call) {
   std::string message;
   const Outcome outcome = rank == 0 ? outcome_of(call, message) : Outcome::good;
   agree(comm, outcome, message);
+}
+
+/// All ranks' numbers one after another, on the first rank.
+template <class T>
+std::vector<T> gathered(MPI_Comm comm, std::span<const T> values, MPI_Datatype type) {
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &ranks);
+  const int count = static_cast<int>(values.size());
+  std::vector<int> counts(ranks), starts(ranks + 1, 0);
+  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
+  for (int r = 0; r < ranks; ++r) starts[r + 1] = starts[r] + counts[r];
+  std::vector<T> all(rank == 0 ? starts.back() : 0);
+  MPI_Gatherv(values.data(), count, type, all.data(), counts.data(), starts.data(), type, 0, comm);
+  return all;
 }
 
 inline void sum(MPI_Comm comm, double* values, int count) {

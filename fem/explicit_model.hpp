@@ -54,6 +54,8 @@ class ExplicitModel : public Model {
   double load_value(const std::string& name) const override;
   void set_displacement_zero() override;
   void write(const std::string& directory, double time) override;
+  base::Columns save() const override;
+  void restore(const base::Columns&) override;
   std::vector<BodyModes> find_modes(int count) override;
   void write_modes(const std::string& directory) override;
 
@@ -100,6 +102,15 @@ class ExplicitModel : public Model {
   std::vector<double> reactions() const;  // [N] of supports, on the owned components that they hold
   Vec3 value_at(int owned_node, Quantity) const;
   int nearest_node(int body, const Vec3& point) const;
+  // explicit_model_state.cpp
+  std::vector<double> by_global_number(std::span<const double> owned) const;
+  void take_owned(const base::Columns&, const std::string& name, std::span<double> owned) const;
+  std::vector<double> of_all_ranks(std::span<const double> mine) const;
+  std::vector<double> share_of_rank(const base::Columns&, const std::string& name, std::size_t numbers) const;
+  std::vector<double> on_skins(std::vector<Vec3> Contact::*) const;
+  void save_histories(base::Columns&) const;
+  void restore_histories(const base::Columns&);
+  void require_same_meshes(const base::Columns&) const;
   Vec3 mean_over(int body, std::span<const int> nodes, Quantity) const;
 
   Setup setup_;

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "base/columns.hpp"
 #include "base/energy.hpp"
 #include "base/history.hpp"
 #include "base/skin.hpp"
@@ -205,6 +206,14 @@ class Model {
   /// Appends one time level to DIR/<body>.pvd and writes DIR/<body>/<body>_NNNN.vtu for every body (output.hpp). Throws
   /// base::MachineError when the disk fails.
   virtual void write(const std::string& directory, double time) = 0;
+
+  // ---- checkpoint
+  /// All that the steps to come depend on, between two steps, by global numbers of nodes and elements: whole on the
+  /// first rank, empty on the others.
+  virtual base::Columns save() const = 0;
+  /// Goes on from there: on as many ranks bit for bit, on another number the same to rounding. Every rank brings all
+  /// columns. The model must be new and of the same Setup. Throws base::UserError when the columns do not fit.
+  virtual void restore(const base::Columns&) = 0;
 
   // ---- modal models
   /// The `count` lowest elastic modes of every body, undamped, about the unloaded state.

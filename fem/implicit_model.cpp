@@ -17,7 +17,7 @@ ImplicitModel::ImplicitModel(MPI_Comm comm, const Setup& setup)
       balanced_(external_.size(), 0.0),
       weight_balanced_(external_.size(), 0.0) {
   if (is_static()) std::fill_n(acceleration_.data(), acceleration_.owned_size(), 0.0);
-  if (assembly_.viscous() && !is_static()) viscous_.assign(external_.size(), 0.0);
+  if (creeps()) viscous_.assign(external_.size(), 0.0);
 }
 
 StableStep ImplicitModel::stable_step() const {
@@ -147,7 +147,7 @@ void ImplicitModel::remember() {
     if (assembly_.viscous()) velocity_.begin_to_ghosts();
     ledger_.loss_plastic += assembly_.advance(displacement_, velocity_, inner_).plastic_work;
   }
-  if (viscous_.empty()) return;
+  if (!creeps()) return;
   NodalField elastic(layout_);
   displacement_.begin_to_ghosts();
   assembly_.inner_forces(displacement_, nullptr, elastic);
@@ -161,7 +161,7 @@ void ImplicitModel::book_work(const Step& before) {
     const double half_way = 0.5 * (displacement_.data()[i] - before.displacements[i]);
     ledger_.work_loads += half_way * (before.loads[i] + external_[i]);
     ledger_.loss_damping += half_way * (before.damping[i] + damping[i]);
-    if (!viscous_.empty()) ledger_.loss_viscous += half_way * (before.viscous[i] + viscous_[i]);
+    if (creeps()) ledger_.loss_viscous += half_way * (before.viscous[i] + viscous_[i]);
     work_gravity_ += half_way * (before.weight[i] + weight_[i]);
   }
   for (std::size_t k = 0; k < driven_.size(); ++k) {
@@ -181,6 +181,32 @@ base::Energy ImplicitModel::energy() const {
 void ImplicitModel::reset_energy() {
   ExplicitModel::reset_energy();
   work_gravity_ = 0;
+}
+
+base::Columns ImplicitModel::save() const {
+  base::Columns columns = ExplicitModel::save();
+  base::Saver saver(columns);
+  saver.numbers("step", step_);
+  saver.rows("nodes/balanced", by_global_number(balanced_));
+  saver.rows("nodes/weight_balanced", by_global_number(weight_balanced_));
+  saver.rows("nodes/diagonal", by_global_number(newton_.diagonal()));
+  if (creeps()) saver.rows("nodes/viscous", by_global_number(viscous_));
+  saver.rows("ranks/work_gravity", of_all_ranks(std::span(&work_gravity_, 1)));
+  if (layout_.rank != 0) columns.clear();
+  return columns;
+}
+
+void ImplicitModel::restore(const base::Columns& columns) {
+  ExplicitModel::restore(columns);
+  base::Loader(columns).numbers("step", step_);
+  take_owned(columns, "nodes/balanced", balanced_);
+  take_owned(columns, "nodes/weight_balanced", weight_balanced_);
+  if (creeps()) take_owned(columns, "nodes/viscous", viscous_);
+  std::vector<double> diagonal(balanced_.size());
+  take_owned(columns, "nodes/diagonal", diagonal);
+  newton_.set_diagonal(diagonal);
+  newton_.forget();
+  work_gravity_ = share_of_rank(columns, "ranks/work_gravity", 1)[0];
 }
 
 }  // namespace fem

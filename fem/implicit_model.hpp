@@ -28,6 +28,8 @@ class ImplicitModel final : public ExplicitModel {
   void set_damping(const std::string& body, double alpha) override;
   base::Energy energy() const override;
   void reset_energy() override;
+  base::Columns save() const override;
+  void restore(const base::Columns&) override;
 
  private:
   struct Step {                                                          // as a step begins, owned components
@@ -35,6 +37,7 @@ class ImplicitModel final : public ExplicitModel {
     std::vector<double> reactions;                                       // [N] of driven components
   };
   bool is_static() const { return setup_.solver.kind == Solver::statics; }
+  bool creeps() const { return assembly_.viscous() && !is_static(); }
   Step begin() const;
   void guess(double dt);
   void drive(double dt, const Step& before);
@@ -46,7 +49,7 @@ class ImplicitModel final : public ExplicitModel {
   Newton newton_;
   std::vector<double> weight_;                      // [N] gravity on the owned components that are free
   std::vector<double> balanced_, weight_balanced_;  // [N] static: loads and weight of the last equilibrium
-  std::vector<double> viscous_;                     // [N] viscous part of the inner forces; empty: no law is viscous
+  std::vector<double> viscous_;                     // [N] viscous part of the inner forces, where it creeps()
   double step_ = 0;                                 // [s] that the matrix was made for
   double work_gravity_ = 0;                         // [J] of this rank
 };

@@ -140,6 +140,23 @@ void Newton::add_dashpots() {
   check_petsc(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY));
 }
 
+std::vector<double> Newton::diagonal() const {
+  PetscInt size = 0;
+  check_petsc(VecGetLocalSize(diagonal_, &size));
+  const double* values = nullptr;
+  check_petsc(VecGetArrayRead(diagonal_, &values));
+  std::vector<double> copy(values, values + size);
+  check_petsc(VecRestoreArrayRead(diagonal_, &values));
+  return copy;
+}
+
+void Newton::set_diagonal(std::span<const double> diagonal) {
+  double* values = nullptr;
+  check_petsc(VecGetArray(diagonal_, &values));
+  std::ranges::copy(diagonal, values);
+  check_petsc(VecRestoreArray(diagonal_, &values));
+}
+
 void Newton::converged(int iteration, double residual, SNESConvergedReason* reason) {
   *reason = SNES_CONVERGED_ITERATING;
   double squares[3] = {};  // of f, b, diag(K) u

@@ -33,6 +33,9 @@ class Newton {
   };
   /// From here on d and c are others than before.
   void forget() { built_ = false; }
+  /// [N/m] diagonal of the last tangent, of the owned components: by it the rounding of forces is judged.
+  std::vector<double> diagonal() const;
+  void set_diagonal(std::span<const double>);
   /// Displacements come as the guess and go as the solution, `inner` goes as their inner forces; the ghosts of the
   /// displacements are up to date. Collective; throws base::UnstableError on every rank, opened by `head`, when no
   /// solution is found.

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <vtkCellData.h>
-#include <vtkCellDataToPointData.h>
 #include <vtkCellType.h>
 #include <vtkDoubleArray.h>
 #include <vtkIntArray.h>
@@ -24,18 +23,6 @@
 
 namespace fem {
 namespace {
-
-/// All ranks' numbers one after another, on the first rank.
-template <class T>
-std::vector<T> gathered(const Layout& layout, std::span<const T> values, MPI_Datatype type) {
-  const int count = static_cast<int>(values.size());
-  std::vector<int> counts(layout.ranks), starts(layout.ranks + 1, 0);
-  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, layout.comm);
-  for (int r = 0; r < layout.ranks; ++r) starts[r + 1] = starts[r] + counts[r];
-  std::vector<T> all(layout.rank == 0 ? starts.back() : 0);
-  MPI_Gatherv(values.data(), count, type, all.data(), counts.data(), starts.data(), type, 0, layout.comm);
-  return all;
-}
 
 vtkSmartPointer<vtkDoubleArray> array(const char* name, int components, vtkIdType tuples) {
   auto result = vtkSmartPointer<vtkDoubleArray>::New();
@@ -74,10 +61,11 @@ struct Output::Impl {
   const Assembly& assembly;
   std::vector<std::vector<int>> elements;  // per body: in the order in which stresses are gathered; first rank
   std::map<std::string, std::pair<base::Pvd, int>> collections;  // per file: and its number of pictures
+  std::map<std::string, std::pair<std::string, int>> earlier;    // per body: what a checkpoint says of it
 
   void start() {
     for (int b = 0; b < static_cast<int>(meshes.size()); ++b)
-      elements.push_back(gathered<int>(layout, assembly.elements_of(b), MPI_INT));
+      elements.push_back(gathered<int>(layout.comm, assembly.elements_of(b), MPI_INT));
   }
 
   /// The body's cells; made for every picture, since between pictures they would be half of what a model needs.
@@ -133,20 +121,27 @@ struct Output::Impl {
     grid->GetCellData()->AddArray(strain);
   }
 
-  /// Stress at nodes: the mean of the elements around each.
-  static void smooth(Grid& grid) {
-    vtkNew<vtkCellDataToPointData> mean;
-    mean->SetInputData(grid);
-    mean->ProcessAllArraysOff();
-    mean->AddCellDataArray("stress");
-    mean->Update();
-    vtkDataArray* means = mean->GetOutput()->GetPointData()->GetArray("stress");
-    const vtkIdType nodes = means->GetNumberOfTuples();
+  /// Stress at nodes: the mean of the elements around each, in the order of the mesh (VTK's filter sums in any).
+  void smooth(Grid& grid, int b) const {
+    const Mesh& mesh = meshes[b];
+    vtkDataArray* of_elements = grid->GetCellData()->GetArray("stress");
+    const auto nodes = static_cast<vtkIdType>(mesh.nodes.size());
+    std::vector<std::array<double, 6>> means(mesh.nodes.size(), std::array<double, 6>{});
+    std::vector<int> counts(mesh.nodes.size(), 0);
+    for (int e = 0; e < mesh.element_count(); ++e) {
+      double values_of[6];
+      of_elements->GetTuple(e, values_of);
+      for (int a = 0; a < mesh.element_nodes; ++a) {
+        const int node = mesh.element(e)[a];
+        ++counts[node];
+        for (int i = 0; i < 6; ++i) means[node][i] += values_of[i];
+      }
+    }
     auto stress = stress_array("nodal_stress", nodes), mises = array("nodal_von_mises", 1, nodes),
          principals = array("nodal_principal_stress", 3, nodes);
     for (vtkIdType i = 0; i < nodes; ++i) {
-      std::array<double, 6> values;
-      means->GetTuple(i, values.data());
+      auto& values = means[i];
+      for (double& value : values) value /= std::max(1, counts[i]);
       stress->SetTuple(i, values.data());
       mises->SetValue(i, von_mises(values));
       principals->SetTuple(i, principal(values).data());
@@ -160,8 +155,12 @@ struct Output::Impl {
     const auto collection_file = std::filesystem::path(directory) / (name + ".pvd");
     std::error_code failure;
     std::filesystem::create_directories(folder, failure);
-    auto& [collection, count] =
-        collections.try_emplace(collection_file.string(), base::Pvd(collection_file), 0).first->second;
+    const auto [place, fresh] = collections.try_emplace(collection_file.string(), base::Pvd(collection_file), 0);
+    auto& [collection, count] = place->second;
+    if (const auto known = earlier.find(name); fresh && known != earlier.end()) {
+      collection.go_on_after(known->second.first);
+      count = known->second.second;
+    }
     const std::string file = fmt::format("{}_{:04d}.vtu", name, count++);
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
     writer->SetFileName((folder / file).c_str());
@@ -175,30 +174,47 @@ struct Output::Impl {
 };
 
 Output::Output(const Setup& setup, const std::vector<Mesh>& meshes, const Layout& layout, const Assembly& assembly)
-    : impl_(std::make_unique<Impl>(Impl{setup, meshes, layout, assembly, {}, {}})) {}
+    : impl_(std::make_unique<Impl>(Impl{setup, meshes, layout, assembly, {}, {}, {}})) {}
 
 Output::~Output() = default;
+
+void Output::save(base::Columns& columns) const {
+  for (const auto& [file, pictures] : impl_->collections) {
+    const std::string head = "pictures/" + std::filesystem::path(file).stem().string();
+    columns[head + "/entries"] = pictures.first.entries();
+    columns[head + "/count"] = std::vector<int>{pictures.second};
+  }
+}
+
+void Output::restore(const base::Columns& columns) {
+  for (const auto& body : impl_->setup.bodies) {
+    const std::string head = "pictures/" + body.name;
+    const auto& count = base::column<std::vector<int>>(columns, head + "/count");
+    if (count.size() != 1) continue;
+    impl_->earlier[body.name] = {base::column<std::string>(columns, head + "/entries"), count[0]};
+  }
+}
 
 void Output::write(const std::string& directory, const Frame& frame) {
   Impl& impl = *impl_;
   const Layout& layout = impl.layout;
   if (impl.elements.empty()) impl.start();
-  const auto displacement = gathered<double>(layout, frame.displacement, MPI_DOUBLE);
+  const auto displacement = gathered<double>(layout.comm, frame.displacement, MPI_DOUBLE);
   const auto of_field = [&](const NodalField& field) {
-    return gathered<double>(layout, {field.data(), static_cast<std::size_t>(field.owned_size())}, MPI_DOUBLE);
+    return gathered<double>(layout.comm, {field.data(), static_cast<std::size_t>(field.owned_size())}, MPI_DOUBLE);
   };
   const auto velocity = of_field(frame.velocity);
   std::vector<double> acceleration, reactions;
   if (frame.acceleration) acceleration = of_field(*frame.acceleration);
-  if (frame.reactions) reactions = gathered<double>(layout, *frame.reactions, MPI_DOUBLE);
+  if (frame.reactions) reactions = gathered<double>(layout.comm, *frame.reactions, MPI_DOUBLE);
   std::vector<std::vector<double>> stresses, plastic;
   for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
     const auto own = impl.assembly.stresses(b, frame.strained, &frame.velocity);
     stresses.push_back(
-        gathered<double>(layout, {own.empty() ? nullptr : own.front().data(), 6 * own.size()}, MPI_DOUBLE));
+        gathered<double>(layout.comm, {own.empty() ? nullptr : own.front().data(), 6 * own.size()}, MPI_DOUBLE));
     plastic.emplace_back();
     if (std::ranges::any_of(impl.setup.bodies[b].materials, keeps_history))
-      plastic.back() = gathered<double>(layout, impl.assembly.plastic_strains(b), MPI_DOUBLE);
+      plastic.back() = gathered<double>(layout.comm, impl.assembly.plastic_strains(b), MPI_DOUBLE);
   }
   on_first_rank(layout.comm, [&] {
     for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
@@ -208,7 +224,7 @@ void Output::write(const std::string& directory, const Frame& frame) {
       if (frame.acceleration) impl.set_points(grid, b, "acceleration", acceleration);
       if (frame.reactions) impl.set_points(grid, b, "reaction", reactions);
       impl.set_cells(grid, b, stresses[b], plastic[b]);
-      Impl::smooth(grid);
+      impl.smooth(grid, b);
       impl.write_file(grid, b, directory, frame.time);
     }
   });

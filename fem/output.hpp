@@ -26,6 +26,9 @@ class Output {
   ~Output();
   /// Collective; throws base::MachineError on every rank when the disk fails.
   void write(const std::string& directory, const Frame&);
+  /// What has been written, for a checkpoint (not collective: whole on the first rank); restore() goes on after it.
+  void save(base::Columns&) const;
+  void restore(const base::Columns&);
 
  private:
   struct Impl;

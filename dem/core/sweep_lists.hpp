@@ -10,6 +10,7 @@
 // ranges, which compute the same; its energies count half in each.
 #include <algorithm>
 
+#include "dem/core/columns.hpp"
 #include "dem/core/grains.hpp"
 #include "dem/core/pair_search.hpp"
 #include "dem/laws.hpp"
@@ -165,6 +166,58 @@ class SweepLists {
         for (int k = range.near_start[i - range.begin]; k < range.near_start[i - range.begin + 1]; ++k)
           pairs += range.near[k] > i;
     return pairs;
+  }
+
+  /// The lists for a checkpoint, or from one.
+  template <class Self, class Walk>
+  static void walk(Self& self, Walk& walk) {
+    int ranges = static_cast<int>(self.ranges_.size()), kinds = ranges ? self.layout_.materials : 0;
+    kinds *= kinds;
+    walk.numbers("sweep/layout", ranges, kinds, self.layout_.lanes, self.layout_.mixed, self.layout_.materials);
+    if constexpr (Walk::loads) {
+      self.ranges_.assign(ranges, {});
+      for (SweepRange& range : self.ranges_)
+        for (auto* lists : {&range.inner, &range.border}) lists->assign(kinds, {});
+    }
+    std::vector<decltype(self.ranges_.data())> cuts;
+    std::vector<decltype(self.ranges_[0].inner.data())> lists;
+    for (auto& range : self.ranges_) {
+      walk.numbers("sweep/range_" + std::to_string(cuts.size()), range.begin, range.end);
+      cuts.push_back(&range);
+      for (auto& list : range.inner) lists.push_back(&list);
+      for (auto& list : range.border) lists.push_back(&list);
+    }
+    walk_ragged(
+        walk, "sweep/near_start", cuts, [](auto& range) -> auto& { return range.near_start; });
+    walk_ragged(
+        walk, "sweep/near", cuts, [](auto& range) -> auto& { return range.near; });
+    walk_ragged(
+        walk, "sweep/start", lists, [](auto& list) -> auto& { return list.start; });
+    walk_ragged(
+        walk, "sweep/first", lists, [](auto& list) -> auto& { return list.first; });
+    walk_ragged(
+        walk, "sweep/second", lists, [](auto& list) -> auto& { return list.second; });
+    walk_ragged(
+        walk, "sweep/to_first", lists, [](auto& list) -> auto& { return list.to_first; });
+    walk_ragged(
+        walk, "sweep/to_second", lists, [](auto& list) -> auto& { return list.to_second; });
+    walk_ragged(
+        walk, "sweep/history", lists, [](auto& list) -> auto& { return list.history; });
+    walk_ragged(
+        walk, "sweep/short_history", lists, [](auto& list) -> auto& { return list.short_history; });
+    if constexpr (Walk::loads)
+      for (SweepPairs* list : lists) list->pairs = list->start.empty() ? 0 : list->start.back();
+  }
+
+  /// After walk() from a checkpoint. False when rows look otherwise on this machine: new lists must be made, which
+  /// take the histories over.
+  bool go_on(const SweepLayout& layout, const Images& images, const Periods& periods) {
+    images_ = images;
+    periods_ = periods;
+    const bool same = layout_.lanes == layout.lanes && layout_.mixed == layout.mixed;
+    layout_.numbers = layout.numbers;
+    layout_.sweeps = layout.sweeps;
+    return same;
   }
 
   std::size_t bytes() const {

@@ -55,6 +55,9 @@ class System final : public Simulation {
   StableStep stable_step() const override;
   StableStep contact_stable_step() const override;
 
+  base::Columns save() const override;
+  void restore(const base::Columns&) override;
+
   base::Energy energy() const override;
   void reset_energy() override;
   std::vector<GrainContact> grain_contacts() const override;
@@ -115,6 +118,9 @@ class System final : public Simulation {
   void each_contact(Visit&&) const;
   double stiffest_spring(int material) const;
   std::vector<GrainInertia> inertias() const;
+  // system_state.hpp
+  template <class Self, class Walk>
+  static void walk(Self&, Walk&);
   // system_bonds.hpp
   std::vector<GrainSpring> bond_springs() const;
   StableStep with_bonds(const StableStep& without) const;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "dem/core/columns.hpp"
 #include "dem/core/grains.hpp"
 #include "dem/core/motion.hpp"
 #include "dem/core/wall_body.hpp"
@@ -230,6 +231,43 @@ class Walls {
     rows_changed = false;
   }
 
+  /// The state of the walls for a checkpoint, or from one; what they are made of is there already.
+  template <class Self, class Walk>
+  static void walk(Self& self, Walk& walk) {
+    const std::size_t nodes = self.position.size();
+    walk.rows("walls/planes", self.planes);
+    walk.rows("walls/position", self.position);
+    walk.rows("walls/velocity", self.velocity);
+    walk.rows("walls/displacement", self.displacement);
+    walk.rows("walls/from_position", self.from_position);
+    walk.rows("walls/from_velocity", self.from_velocity);
+    walk.rows("walls/to_position", self.to_position);
+    walk.rows("walls/to_velocity", self.to_velocity);
+    walk.rows("walls/body_offset", self.body_offset);
+    walk.rows("walls/node_impulse", self.node_impulse);
+    auto made = download(self.facets);
+    auto seen = download(self.rows);
+    std::vector<int> live;
+    for (const Facet& facet : made) live.push_back(facet.live);
+    walk.rows("walls/live", live);
+    walk.numbers("walls/pending", self.rows_changed);
+    int seen_rows = static_cast<int>(seen.size());
+    walk.numbers("walls/seen", seen_rows);
+    if constexpr (Walk::loads) {
+      base::require_user(self.position.size() == nodes && live.size() == made.size(), "the walls are others");
+      for (std::size_t f = 0; f < made.size(); ++f) made[f].live = live[f];
+      upload(made, self.facets);
+      seen.assign(self.rows_host.begin(), self.rows_host.begin() + seen_rows);
+    }
+    for (std::size_t k = 0; k < self.walls.size(); ++k) {
+      const std::string name = "walls/" + std::to_string(k);
+      walk_wall(self.walls[k], walk, name);
+      walk_row(self.rows_host[k], walk, name + "/row");
+      if (k < seen.size()) walk_row(seen[k], walk, name + "/seen");
+    }
+    if constexpr (Walk::loads) upload(seen, self.rows);
+  }
+
   std::size_t bytes() const {
     std::size_t total = bytes_of(rows) + bytes_of(facets) + bytes_of(planes) + bytes_of(body_offset);
     for (const auto* v : {&position, &velocity, &displacement, &from_position, &from_velocity, &to_position,
@@ -239,6 +277,27 @@ class Walls {
   }
 
  private:
+  template <class Row, class Walk>
+  static void walk_row(Row& row, Walk& walk, const std::string& name) {
+    walk.numbers(name, row.moves, row.interface, row.body, row.nodal);
+  }
+  template <class Wall, class Walk>
+  static void walk_wall(Wall& wall, Walk& walk, const std::string& name) {
+    walk.numbers(name + "/motion", wall.motion, wall.fresh_target, wall.velocity, wall.rigid_shift, wall.moved,
+                 wall.shift_from, wall.shift_to, wall.impulse);
+    walk.rows(name + "/from", wall.from);
+    walk.rows(name + "/to", wall.to);
+    walk.rows(name + "/listed", wall.listed);
+    bool body = wall.body.has_value();
+    walk.numbers(name + "/has_body", body);
+    if constexpr (Walk::loads) {
+      base::require_user(wall.body || !body, "the walls are others");
+      if (!body) wall.body.reset();
+    }
+    if (body)
+      walk.numbers(name + "/body", wall.body->state, wall.body->force, wall.body->torque, wall.body->work_loads,
+                   wall.body->work_gravity, wall.body->work_drive, wall.body->loss_damping);
+  }
   void move_body(HostWall& w, double dt, const Vec3& gravity) {
     const WallBodyState seen = w.body->begin_step(dt, gravity);
     w.shift_from += dt * w.body->fastest();

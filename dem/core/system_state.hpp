@@ -1,0 +1,175 @@
+#pragma once
+// The whole state as columns, for a checkpoint. Lists of neighbours and their order are stored as they are, together
+// with what decides when they are made anew: the simulation that is saved does not notice, and one that goes on from
+// the columns adds the same forces in the same order. Stored: everything but what the scene says (shapes, the form of
+// walls, laws) and what every step computes afresh.
+#include "dem/core/system.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+template <class Self, class Walk>
+void walk_grains(Self& grains, Walk& walk) {
+  walk.numbers("grains/layout", grains.own_state, grains.parts);
+  walk.rows("grains/place", grains.place);
+  walk.rows("grains/state", grains.state);
+  walk.rows("grains/motion", grains.motion);
+  walk.rows("grains/pull", grains.pull);
+  walk.rows("grains/listed", grains.listed);
+  walk.rows("grains/material", grains.material);
+  walk.rows("grains/id", grains.id);
+  walk.rows("grains/ledger", grains.ledger);
+  walk.rows("grains/old_of_new", grains.old_of_new);
+}
+
+template <class Self, class Walk>
+void walk_bodies(Self& bodies, Walk& walk) {
+  walk.rows("clumps/place", bodies.place);
+  walk.rows("clumps/state", bodies.state);
+  walk.rows("clumps/pull", bodies.pull);
+  walk.rows("clumps/orientation", bodies.orientation);
+  walk.rows("clumps/inertia", bodies.inertia);
+  walk.rows("clumps/inertia_per_mass", bodies.inertia_per_mass);
+  walk.rows("clumps/volume", bodies.volume);
+  walk.rows("clumps/material", bodies.material);
+  walk.rows("clumps/shape", bodies.shape);
+  walk.rows("clumps/id", bodies.id);
+  walk.rows("clumps/start", bodies.start);
+  walk.rows("clumps/of_sphere", bodies.of_sphere);
+  walk.rows("clumps/offset", bodies.offset);
+  walk.rows("clumps/sphere_entry", bodies.sphere_entry);
+}
+
+template <class Self, class Walk>
+void walk_bonds(Self& bonds, Walk& walk) {
+  struct Numbers {
+    kernels::BondParameters is;
+    kernels::BondState state;
+  };
+  std::vector<Numbers> numbers;
+  std::vector<int> broken;
+  for (const BondRow& row : download(bonds.row)) {
+    numbers.push_back({row.is, row.state});
+    broken.push_back(row.broken);
+  }
+  walk.rows("bonds/row", numbers);
+  walk.rows("bonds/broken", broken);
+  if constexpr (Walk::loads) {
+    base::require_user(numbers.size() == broken.size(), "column bonds/broken is of other bonds");
+    std::vector<BondRow> rows;
+    for (std::size_t b = 0; b < numbers.size(); ++b) rows.push_back({numbers[b].is, numbers[b].state, broken[b]});
+    upload(rows, bonds.row);
+  }
+  walk.rows("bonds/id", bonds.id);
+  walk.rows("bonds/end", bonds.end);
+  walk.rows("bonds/grain", bonds.grain);
+  walk.rows("bonds/entry", bonds.entry);
+  walk.rows("bonds/pull", bonds.pull);
+  walk.rows("bonds/ledger", bonds.ledger);
+}
+
+template <class Self, class Walk>
+void walk_pairs(Self& pairs, Walk& walk) {
+  walk.numbers("pairs/stride", pairs.history_stride);
+  walk.rows("pairs/own_start", pairs.own_start);
+  walk.rows("pairs/other_start", pairs.other_start);
+  walk.rows("pairs/other", pairs.other);
+  walk.rows("pairs/first", pairs.first);
+  walk.rows("pairs/second", pairs.second);
+  walk.rows("pairs/second_row", pairs.second_row);
+  walk.rows("pairs/pair", pairs.pair);
+  walk.rows("pairs/history", pairs.history);
+  walk.rows("pairs/result", pairs.result);
+  walk.rows("pairs/couple", pairs.couple);
+  walk.rows("pairs/ledger", pairs.ledger);
+}
+
+template <class Self, class Walk>
+void walk_near_walls(Self& near, Walk& walk) {
+  walk.numbers("near_walls/stride", near.history_stride);
+  walk.rows("near_walls/slot", near.slot);
+  walk.rows("near_walls/grain", near.grain);
+  walk.rows("near_walls/start", near.start);
+  walk.rows("near_walls/sum", near.sum);
+  walk.rows("near_walls/candidate", near.candidate);
+  walk.rows("near_walls/grain_of", near.grain_of);
+  walk.rows("near_walls/state", near.state);
+  walk.rows("near_walls/history", near.history);
+  walk.rows("near_walls/impulse", near.impulse);
+  walk.rows("near_walls/nodal", near.nodal);
+  walk.rows("near_walls/ledger", near.ledger);
+  walk.rows("near_walls/node_start", near.node_start);
+  walk.rows("near_walls/node_entry", near.node_entry);
+}
+
+/// What can be changed between steps: moduli (a ramp of stiffness), constants of contacts, gravity, damping.
+template <class Self, class Walk>
+void walk_constants(Self& setup, Walk& walk) {
+  for (std::size_t m = 0; m < setup.materials.size(); ++m) {
+    auto& is = setup.materials[m];
+    walk.numbers("material/" + std::to_string(m), is.young_modulus, is.poisson_ratio, is.density);
+  }
+  for (std::size_t k = 0; k < setup.interactions.size(); ++k) {
+    auto& is = setup.interactions[k];
+    walk.numbers("interaction/" + std::to_string(k), is.friction, is.restitution, is.rolling_friction,
+                 is.normal_stiffness, is.shear_stiffness, is.normal_viscosity, is.shear_viscosity,
+                 is.dissipative_coefficient, is.damping_mode, is.critical_stress, is.friction_exponent,
+                 is.rolling_damping);
+  }
+  walk.numbers("gravity", setup.gravity);
+}
+
+template <class Self, class Walk>
+void System::walk(Self& self, Walk& walk) {
+  walk_constants(self.setup_, walk);
+  walk.numbers("clock", self.alpha_, self.time_, self.last_dt_, self.last_ahead_, self.steps_, self.rebuilds_,
+               self.last_rebuild_, self.last_tight_);
+  walk.numbers("lists", self.list_is_stale_, self.forces_are_stale_, self.rows_moved_, self.skin_, self.skin_share_,
+               self.tight_, self.tight_share_, self.travelled_, self.radii_, self.periods_.margin);
+  double taken_away = self.taken_away_.value_or(0);
+  bool taken = self.taken_away_.has_value();
+  walk.numbers("energy", self.totals_, self.gravity_reference_, self.gravity_referenced_, taken, taken_away);
+  walk.numbers("sweep/sums", self.sweep_sums_.elastic_normal, self.sweep_sums_.elastic_shear);
+  walk_grains(self.grains_, walk);
+  walk_bodies(self.bodies_, walk);
+  walk_bonds(self.bonds_, walk);
+  walk.numbers("images/first", self.images_.first);
+  walk.rows("images/start", self.images_.start);
+  walk.rows("images/owner", self.images_.owner);
+  walk.rows("images/shift", self.images_.shift);
+  walk_pairs(self.pairs_, walk);
+  Walls::walk(self.walls_, walk);
+  walk_near_walls(self.near_walls_, walk);
+#if !defined(TRACKBED_DEM_CUDA)
+  SweepLists::walk(self.sweep_lists_, walk);
+#endif
+  if constexpr (Walk::loads) {
+    self.taken_away_.reset();
+    if (taken) self.taken_away_ = taken_away;
+  }
+}
+
+inline base::Columns System::save() const {
+  base::Columns columns;
+  columns["backend"] = std::string(backend_ == Backend::cuda ? "cuda" : "omp");
+  ToColumns saver(columns);
+  walk(*this, saver);
+  return columns;
+}
+
+inline void System::restore(const base::Columns& columns) {
+  const std::string here = backend_ == Backend::cuda ? "cuda" : "omp";
+  const auto& there = base::column<std::string>(columns, "backend");
+  base::require_user(here == there, "its grains were computed with the backend " + there + ", not " + here);
+  base::require_internal(grains_.size() == 0, "a state goes into a new simulation");
+  FromColumns loader(columns);
+  walk(*this, loader);
+  const bool stale = list_is_stale_;
+  upload_parameters();
+  list_is_stale_ = stale;
+  node_impulse_current_ = false;
+#if !defined(TRACKBED_DEM_CUDA)
+  if (sweeps() && !sweep_lists_.go_on(sweep_layout(), images_, periods_)) list_is_stale_ = true;
+#endif
+}
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM

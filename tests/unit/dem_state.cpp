@@ -1,0 +1,97 @@
+// A state that is saved and restored goes on as if nothing had happened; saving leaves no trace.
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "dem/dem.hpp"
+
+namespace {
+
+using dem::Vec3;
+
+constexpr double step = 1e-4;  // [s]
+
+/// A floor, a wall that pushes, and no grains yet.
+std::unique_ptr<dem::Simulation> empty_box(int lanes) {
+  dem::Setup setup;
+  setup.materials = {{"stone", 1e7, 0.25, 2500}};
+  setup.interactions = {{.friction = 0.5, .restitution = 0.7, .rolling_friction = 0.1}};
+  setup.gravity = {0, 0, -9.81};
+  setup.lanes = lanes;
+  auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
+  sim->set_wall_velocity(sim->add_plane({{-0.03, 0, 0}, {1, 0, 0}}, 0), {0.3, 0, 0});
+  return sim;
+}
+
+std::unique_ptr<dem::Simulation> falling_grains(int lanes) {
+  auto sim = empty_box(lanes);
+  std::vector<dem::Grain> grains;
+  for (int k = 0; k < 48; ++k)
+    grains.push_back({.position = {0.041 * (k % 4) + 0.003 * (k / 16), 0.042 * (k / 4 % 4), 0.021 + 0.043 * (k / 16)},
+                      .radius = 0.02,
+                      .velocity = {0.2 * (k % 3), -0.1 * (k % 2), -0.5},
+                      .id = 3 * k});
+  sim->add_grains(grains);
+  sim->advance(300, step);
+  return sim;
+}
+
+/// Largest distance [m] of a grain's places in both.
+double apart(const dem::Simulation& one, const dem::Simulation& other) {
+  const auto a = one.grains(), b = other.grains();
+  EXPECT_EQ(a.size(), b.size());
+  double largest = 0;
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
+    largest = std::max(largest, norm(a[k].position - b[k].position));
+  return largest;
+}
+
+// One by one as on a GPU, and in sweeps. A restored run that lost friction's history, or makes its lists at another
+// time, differs in the last digits at once.
+TEST(DemState, GoesOnBitForBit) {
+  for (const int lanes : {0, 1}) {
+    const auto saved = falling_grains(lanes), untouched = falling_grains(lanes), restored = empty_box(lanes);
+    const auto columns = saved->save();
+    restored->restore(columns);
+    EXPECT_EQ(restored->save(), columns);
+    for (auto* sim : {saved.get(), untouched.get(), restored.get()}) sim->advance(400, step);
+    EXPECT_GT(untouched->energy().loss_friction, 0);
+    EXPECT_EQ(apart(*saved, *untouched), 0) << lanes;
+    EXPECT_EQ(apart(*restored, *untouched), 0) << lanes;
+    EXPECT_EQ(restored->energy().loss_friction, untouched->energy().loss_friction);
+    EXPECT_EQ(restored->energy().loss_rolling, untouched->energy().loss_rolling);
+    EXPECT_EQ(restored->counts().rebuilds, untouched->counts().rebuilds);
+  }
+}
+
+// Another machine's vectors: lists are made anew, histories taken over. Without them springs of friction would start at
+// zero: grains would be microns off.
+TEST(DemState, GoesOnWithOtherVectors) {
+  const auto two = falling_grains(2), four = empty_box(4);
+  four->restore(two->save());
+  two->advance(20, step);
+  four->advance(20, step);
+  EXPECT_LT(apart(*two, *four), 1e-13);
+}
+
+TEST(DemState, WhatDoesNotFitIsRefused) {
+  auto columns = falling_grains(0)->save();
+  const auto message = [&](dem::Simulation& into) {
+    try {
+      into.restore(columns);
+    } catch (const base::UserError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  const auto more_walls = empty_box(0);
+  more_walls->add_plane({{1, 0, 0}, {-1, 0, 0}}, 0);
+  EXPECT_EQ(message(*more_walls), "the walls are others");
+  columns["backend"] = std::string("cuda");
+  EXPECT_EQ(message(*empty_box(0)), "its grains were computed with the backend cuda, not omp");
+  columns["backend"] = std::string("omp");
+  columns.erase("clock");
+  EXPECT_EQ(message(*empty_box(0)), "column clock has another number of values");
+}
+
+}  // namespace
