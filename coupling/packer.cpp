@@ -63,7 +63,8 @@ Packer::Packer(const Scene& scene, const std::vector<base::Skin>& skins, dem::Ba
   for (const LooseRegion& region : packing_.loosened) {
     if (region.friction) setup.materials.push_back(setup.materials.front());
   }
-  setup.interactions.assign(setup.materials.size() * setup.materials.size(), scene.grains->interactions.front());
+  setup.interactions.assign(setup.materials.size() * setup.materials.size(),
+                            for_beds(scene.grains->interactions.front()));
   setup.gravity = scene.gravity;
   setup.skin = scene.grains->neighbour_skin;
   setup.maximum_overlap = scene.grains->maximum_overlap;
@@ -122,7 +123,8 @@ void Packer::use_interactions(Friction friction) {
   const auto in_scene = [&](int material) { return material < count ? material : 0; };
   for (int a = 0; a < all; ++a) {
     for (int b = a; b < all; ++b) {
-      dem::Interaction pair = scene_.grains->interactions[static_cast<std::size_t>(in_scene(a) * count + in_scene(b))];
+      dem::Interaction pair =
+          for_beds(scene_.grains->interactions[static_cast<std::size_t>(in_scene(a) * count + in_scene(b))]);
       if (friction == Friction::of_packing) {
         pair = while_packing(pair, packing_);
         if (a == b && a >= count) pair.friction = loose[static_cast<std::size_t>(a - count)];

@@ -97,10 +97,16 @@ void judge(const Packing& packing, const PackingReport& report) {
 
 }  // namespace
 
+dem::Interaction for_beds(dem::Interaction between) {
+  if (between.law != "stress_friction") return between;
+  between.law = dem::Interaction().law;
+  between.critical_stress = between.friction_exponent = 0;
+  return between;
+}
+
 dem::Interaction while_packing(const dem::Interaction& between, const Packing& packing) {
   dem::Interaction smooth = between;
   smooth.friction = std::min(between.friction, packing.friction);
-  smooth.friction_exponent = 0;
   smooth.rolling_friction = std::min(between.rolling_friction, packing.rolling_friction);
   return smooth;
 }

@@ -32,7 +32,11 @@ struct PackingReport {
 /// not look at that number.
 std::vector<dem::Grain> pack(const Scene&, const std::vector<base::Skin>& skins, dem::Backend, PackingReport&);
 
-/// The interaction with the frictions of the packing, where they are the lower ones; they do not fall with stress.
+/// The scene's interaction as beds are made with it: friction that falls with stress is the classical one there, so that
+/// one bed serves the tests of both (Irazabal2017 6.3.2, 6.3.4).
+dem::Interaction for_beds(dem::Interaction);
+
+/// The interaction with the frictions of the packing, where they are the lower ones.
 dem::Interaction while_packing(const dem::Interaction&, const Packing&);
 
 /// Methods, target and regions of a packing, for `trackbed check`.

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Raise it whenever the packing procedure changes what comes out.
-constexpr int format_version = 4;
+constexpr int format_version = 5;
 
 /// FNV-1a, 64 bit.
 class Hash {
@@ -209,7 +209,8 @@ std::string packing_key(const Scene& scene, const std::vector<base::Skin>& skins
   hash.add(grains.neighbour_skin);
   for (const dem::Material& m : grains.materials)
     hash.add(m.young_modulus), hash.add(m.poisson_ratio), hash.add(m.density);
-  for (const dem::Interaction& i : grains.interactions) {
+  for (const dem::Interaction& between : grains.interactions) {
+    const dem::Interaction i = for_beds(between);
     hash.add(i.law), hash.add(i.rolling);
     for (const auto& constant : contact_constants())
       std::visit([&](const auto member) { hash.add(i.*member); }, constant.member);
