@@ -108,6 +108,7 @@ class ExplicitModel : public Model {
   std::vector<double> of_all_ranks(std::span<const double> mine) const;
   std::vector<double> share_of_rank(const base::Columns&, const std::string& name, std::size_t numbers) const;
   std::vector<double> on_skins(std::vector<Vec3> Contact::*) const;
+  std::vector<std::size_t> first_numbers_of_skins() const;
   void save_histories(base::Columns&) const;
   void restore_histories(const base::Columns&);
   void require_same_meshes(const base::Columns&) const;
@@ -117,8 +118,8 @@ class ExplicitModel : public Model {
   std::vector<Mesh> meshes_;  // elements are dropped after the start where no output needs them
   Layout layout_;
   Assembly assembly_;
-  mutable NodalField displacement_;  // its ghosts are brought up to date where they are read
-  NodalField velocity_, acceleration_, inner_, mass_;
+  mutable NodalField displacement_, velocity_;  // their ghosts are brought up to date where they are read
+  NodalField acceleration_, inner_, mass_;
   std::vector<double> external_;      // [N] loads and skin forces of this instant, owned components
   std::vector<double> inverse_mass_;  // [1/kg] zero where a support holds the component
   std::vector<double> zero_;          // [m] displacement taken as zero in output and probes; empty: none

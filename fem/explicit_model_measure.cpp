@@ -122,6 +122,10 @@ std::vector<double> ExplicitModel::reactions() const {
       if (inverse_mass_[i] == 0) result[i] = inner_.data()[i] - external_[i] - mass_.data()[i] * gravity[i % 3];
     }
   }
+  for (const auto& driven : driven_) {  // they have inertia too
+    const double gravity = setup_.bodies[driven.body].gravity ? setup_.gravity[driven.index % 3] : 0;
+    result[driven.index] = driven.reaction - mass_.data()[driven.index] * gravity;
+  }
   return result;
 }
 
@@ -139,9 +143,11 @@ Vec3 ExplicitModel::reaction(const std::string& body, const std::string& group) 
 
 std::vector<std::array<double, 6>> ExplicitModel::element_stresses(const std::string& body) const {
   const int b = body_index(body);
-  displacement_.begin_to_ghosts();
-  displacement_.end_to_ghosts();
-  const auto own = assembly_.stresses(b, displacement_);
+  for (NodalField* field : {&displacement_, &velocity_}) {
+    field->begin_to_ghosts();
+    field->end_to_ghosts();
+  }
+  const auto own = assembly_.stresses(b, displacement_, &velocity_);
   const auto elements = assembly_.elements_of(b);
   std::vector<std::array<double, 6>> all(meshes_[b].regions.size());
   for (std::size_t i = 0; i < own.size(); ++i) all[elements[i]] = own[i];

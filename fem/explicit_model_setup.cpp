@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -17,6 +18,37 @@
 namespace fem {
 namespace {
 
+/// A brick of twenty nodes with eight points has six motions without strain besides the rigid ones. Neighbours along
+/// two directions keep each other from them; cells in a row do not.
+void refuse_rows_of_reduced_cells(const Mesh& mesh, const Body& body) {
+  if (body.element != Hex20Reduced::name) return;
+  constexpr int sides[3][2][4] = {
+      {{0, 3, 7, 4}, {1, 2, 6, 5}}, {{0, 1, 5, 4}, {3, 2, 6, 7}}, {{0, 1, 2, 3}, {4, 5, 6, 7}}};
+  const auto side = [&](int e, const int(&corners)[4]) {
+    std::array<int, 4> nodes;
+    for (int k = 0; k < 4; ++k) nodes[k] = mesh.unknown_of(mesh.element(e)[corners[k]]);
+    std::ranges::sort(nodes);
+    return nodes;
+  };
+  std::map<std::array<int, 4>, int> cells;  // at each side
+  for (int e = 0; e < mesh.element_count(); ++e) {
+    for (const auto& direction : sides) {
+      for (const auto& corners : direction) ++cells[side(e, corners)];
+    }
+  }
+  for (int e = 0; e < mesh.element_count(); ++e) {
+    int held = 0;  // directions with a neighbour
+    for (const auto& direction : sides) held += cells[side(e, direction[0])] > 1 || cells[side(e, direction[1])] > 1;
+    const Vec3 centre = mesh.centre(e);
+    base::require_user(
+        held >= 2,
+        fmt::format(
+            "{}element = \"{}\": cell {} at ({:.4g}, {:.4g}, {:.4g}) m has neighbours along fewer than two of its "
+            "directions; such cells can move without strain; mesh two cells across, or choose \"hex20\"",
+            message_head(body.origin, body.name), body.element, e + 1, centre.x, centre.y, centre.z));
+  }
+}
+
 std::vector<Mesh> read_meshes(MPI_Comm comm, const Setup& setup) {
   std::set<std::string> names;
   for (const auto& body : setup.bodies) {
@@ -28,6 +60,8 @@ std::vector<Mesh> read_meshes(MPI_Comm comm, const Setup& setup) {
   for (const auto& body : setup.bodies) {
     meshes.push_back(read_mesh(comm, body));
     meshes.back().shared = tie_periodic_faces(meshes.back(), body);
+    if (setup.solver.kind != Solver::explicit_steps || setup.solver.start_in_equilibrium)
+      refuse_rows_of_reduced_cells(meshes.back(), body);
   }
   return meshes;
 }
@@ -147,6 +181,11 @@ void ExplicitModel::prepare_solver() {
   const bool conditional = solver.kind == Solver::newmark && 2 * solver.beta < solver.gamma;
   if (solver.kind == Solver::explicit_steps || conditional)
     stable_step_ = find_stable_step(setup_, meshes_, layout_, assembly_, inverse_mass_);
+  base::require_user(
+      solver.kind != Solver::explicit_steps || std::isfinite(stable_step_.limit) || !driven_.empty(),
+      fmt::format("{}supports hold every node; nothing can move, no step is too long; free some nodes, or set "
+                  "fem.solver = \"static\"",
+                  message_head(setup_.bodies.front().origin, setup_.bodies.front().name)));
   if (solver.kind == Solver::explicit_steps && !solver.start_in_equilibrium) return;
   tangent_ = std::make_unique<Tangent>(meshes_, layout_, assembly_, inverse_mass_);
   for (std::size_t b = 0; b < meshes_.size(); ++b)

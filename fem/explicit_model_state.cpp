@@ -58,15 +58,24 @@ std::vector<double> ExplicitModel::share_of_rank(const base::Columns& columns, c
   return mine;
 }
 
-/// Forces of the skins' nodes, as numbers per owned node.
+/// Where the numbers of each skin begin in a column of all skins' nodes; one more at the end.
+std::vector<std::size_t> ExplicitModel::first_numbers_of_skins() const {
+  std::vector<std::size_t> first{0};
+  for (const auto& skin : skins_) first.push_back(first.back() + 3 * skin.nodes.size());
+  return first;
+}
+
+/// Forces on the nodes of all skins, on every rank. Several nodes of a periodic skin may be one unknown.
 std::vector<double> ExplicitModel::on_skins(std::vector<Vec3> Contact::*forces) const {
-  std::vector<double> owned(external_.size(), 0.0);
-  for (const auto& contact : contacts_) {
-    for (std::size_t i = 0; i < contact.nodes.size(); ++i) {
-      for (int c = 0; c < 3; ++c) owned[3 * contact.nodes[i] + c] = (contact.*forces)[i][c];
+  const auto first = first_numbers_of_skins();
+  std::vector<double> all(first.back(), 0.0);
+  for (std::size_t s = 0; s < contacts_.size(); ++s) {
+    for (std::size_t i = 0; i < contacts_[s].nodes.size(); ++i) {
+      for (int c = 0; c < 3; ++c) all[first[s] + 3 * contacts_[s].skin_nodes[i] + c] = (contacts_[s].*forces)[i][c];
     }
   }
-  return owned;
+  sum(layout_.comm, all.data(), static_cast<int>(all.size()));  // one rank owns each
+  return all;
 }
 
 base::Columns ExplicitModel::save() const {
@@ -99,8 +108,8 @@ base::Columns ExplicitModel::save() const {
     field("reaction", reactions);
   }
   if (!skins_.empty()) {
-    field("given", on_skins(&Contact::given));
-    field("used", on_skins(&Contact::used));
+    saver.rows("skins/given", on_skins(&Contact::given));
+    saver.rows("skins/used", on_skins(&Contact::used));
   }
   std::vector<double> mine(energy_terms + 2);
   std::memcpy(mine.data(), &ledger_, sizeof ledger_);
@@ -176,12 +185,15 @@ void ExplicitModel::restore(const base::Columns& columns) {
     take_owned(columns, "nodes/reaction", values);
     for (auto& driven : driven_) driven.reaction = values[driven.index];
   }
-  for (const auto& [name, forces] : {std::pair{"nodes/given", &Contact::given}, {"nodes/used", &Contact::used}}) {
+  const auto first = first_numbers_of_skins();
+  for (const auto& [name, forces] : {std::pair{"skins/given", &Contact::given}, {"skins/used", &Contact::used}}) {
     if (skins_.empty()) break;
-    take_owned(columns, name, values);
-    for (auto& contact : contacts_) {
-      for (std::size_t i = 0; i < contact.nodes.size(); ++i) {
-        for (int c = 0; c < 3; ++c) (contact.*forces)[i][c] = values[3 * contact.nodes[i] + c];
+    std::vector<double> all;
+    loader.rows(name, all);
+    base::require_user(all.size() == first.back(), fmt::format("column {} is of other skins", name));
+    for (std::size_t s = 0; s < contacts_.size(); ++s) {
+      for (std::size_t i = 0; i < contacts_[s].nodes.size(); ++i) {
+        for (int c = 0; c < 3; ++c) (contacts_[s].*forces)[i][c] = all[first[s] + 3 * contacts_[s].skin_nodes[i] + c];
       }
     }
   }

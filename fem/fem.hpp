@@ -193,7 +193,7 @@ class Model {
   /// to a point.
   virtual Vec3 probe_group(const std::string& body, const std::string& group, Quantity) const = 0;
   virtual Vec3 probe_point(const std::string& body, Vec3 point, Quantity) const = 0;
-  /// Force [N] of the supports on the nodes of a group of a body, damping proportional to stiffness left out.
+  /// Force [N] of supports and prescribed motions on the nodes of a group of a body.
   virtual Vec3 reaction(const std::string& body, const std::string& group) const = 0;
   /// Mean stress [Pa] (xx, yy, zz, xy, yz, xz) of every element of a body in the order of its mesh, on every rank.
   virtual std::vector<std::array<double, 6>> element_stresses(const std::string& body) const = 0;

@@ -133,11 +133,30 @@ void ImplicitModel::correct(double dt) {
     for (std::size_t i = 0; i < size; ++i)
       acceleration_.data()[i] += (displacement_.data()[i] - guessed[i]) / (beta * dt * dt);
   }
+  if (!moves) refuse_absurd_displacements();
   remember();
   react();
   balanced_ = external_;
   weight_balanced_ = weight_;
   book_work(before);
+}
+
+/// A hinge, or a material without stiffness, lets a static body go anywhere.
+void ImplicitModel::refuse_absurd_displacements() const {
+  constexpr double absurd = 10;  // sizes of the body; small strains end far below
+  for (std::size_t b = 0; b < meshes_.size(); ++b) {
+    double largest = 0;
+    for (int i = 3 * layout_.first_owned[b]; i < 3 * layout_.first_owned[b + 1]; ++i)
+      largest = std::max(largest, std::abs(displacement_.data()[i]));
+    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, layout_.comm);
+    const double size = base::norm(counts_[b].upper - counts_[b].lower);
+    base::require_user(
+        largest <= absurd * size,
+        fmt::format("{}moves by {:.3g} m in equilibrium, {:.3g} times its size: a part of it can turn about "
+                    "an edge or a node that joins it to the rest, or its material is far too soft; join "
+                    "cells by their sides, or look at young_modulus and the loads",
+                    message_head(setup_.bodies[b].origin, setup_.bodies[b].name), largest, largest / size));
+  }
 }
 
 /// What laws remember, and the viscous part of the forces, of the state that a step has come to.

@@ -42,6 +42,7 @@ class ImplicitModel final : public ExplicitModel {
   void guess(double dt);
   void drive(double dt, const Step& before);
   void react();
+  void refuse_absurd_displacements() const;
   void remember();
   void book_work(const Step& before);
   std::vector<double> damping_forces() const;  // [N] (alpha M + D) v of the owned components

@@ -12,7 +12,7 @@ namespace fem {
 namespace {
 
 constexpr std::int64_t largest_factorised = 150000;  // unknowns; above, multigrid is faster and needs less memory
-constexpr double wanted_accuracy = 1e-10, rounding = 1e-15;
+constexpr double wanted_accuracy = 1e-10, accepted_rest = 1e-7, rounding = 1e-15;
 
 /// What PETSc can call back: it is C, nothing may be thrown through it.
 template <class Call>
@@ -174,9 +174,12 @@ void Newton::converged(int iteration, double residual, SNESConvergedReason* reas
     *reason = SNES_DIVERGED_FNORM_NAN;
   } else if (residual <= std::max(wanted_accuracy * scale, rounding * std::sqrt(squares[2]))) {
     *reason = SNES_CONVERGED_FNORM_ABS;
+  } else if (iteration > 0 && residual > 0.5 * last_residual_ && residual <= accepted_rest * scale) {
+    *reason = SNES_CONVERGED_FNORM_ABS;
   } else if (iteration >= 50) {
     *reason = SNES_DIVERGED_MAX_IT;
   }
+  last_residual_ = residual;
 }
 
 void Newton::solve(NodalField& displacements, NodalField& inner, const Terms& terms, const std::string& head) {
@@ -205,6 +208,7 @@ void Newton::solve(NodalField& displacements, NodalField& inner, const Terms& te
   SNESGetFunctionNorm(solver_, &norm);
   std::string why = "the residual stays";
   if (reason == SNES_DIVERGED_LINEAR_SOLVE) why = "the linear system is singular or was not solved";
+  if (reason == SNES_DIVERGED_FNORM_NAN) why = "forces are beyond all numbers (are loads or moduli absurd?)";
   throw base::UnstableError(fmt::format(
       "{}no equilibrium found: {} after {} Newton iterations (residual {:.3g} N); where laws yield, shorten "
       "time.fem_step, or the loads are more than the bodies can carry",

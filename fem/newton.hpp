@@ -4,9 +4,10 @@
 // f inner forces, d a diagonal (inertia and mass damping), D dashpots at nodes, b what is given. Held components keep
 // their displacement. PETSc's SNES iterates, KSP solves: a factorisation (MUMPS), or for large models conjugate
 // gradients with algebraic multigrid that knows the rigid motions (GMRES where the tangent has no symmetry).
-// Converged: |R| <= 1e-10 max(|f|, |b|), or the rounding of f, 1e-15 |diag(K) u|. The tangent is made once for a step
-// length where all laws are linear, and at every iteration otherwise.
-// Source: Hughes, The Finite Element Method (2000), 9.1 and 9.4; Li2021 2.2.
+// Converged: |R| <= 1e-10 max(|f|, |b|), or the rounding of f, 1e-15 |diag(K) u|; or below 1e-7 max(|f|, |b|) when an
+// iteration does not halve it any more (elements that turn with their mean rotation round at their places, not at u).
+// The tangent is made once for a step length where all laws are linear, and at every iteration otherwise. Source:
+// Hughes, The Finite Element Method (2000), 9.1 and 9.4; Li2021 2.2.
 #include <span>
 #include <string>
 
@@ -57,6 +58,7 @@ class Newton {
   Vector unknowns_, residual_, diagonal_;  // diagonal_: of K alone [N/m]
   NewtonSolution solver_;
   bool built_ = false;
+  double last_residual_ = 0;  // [N]
   // of the call under way
   NodalField *displacements_ = nullptr, *inner_ = nullptr;
   Terms terms_;

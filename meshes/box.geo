@@ -11,8 +11,8 @@ DefineConstant[
 If(length <= 0 || width <= 0 || height <= 0)
   Error("length, width and height must be positive");
 EndIf
-If(cells_x < 1 || cells_y < 1 || cells_z < 1)
-  Error("cells_x, cells_y and cells_z must be at least 1");
+If(cells_x < 1 || cells_x > 10000 || cells_x != Floor(cells_x) || cells_y < 1 || cells_y > 10000 || cells_y != Floor(cells_y) || cells_z < 1 || cells_z > 10000 || cells_z != Floor(cells_z))
+  Error("cells_x, cells_y and cells_z must be whole numbers from 1 to 10000");
 EndIf
 
 Point(1) = {0, -width / 2, -height / 2};

@@ -14,8 +14,8 @@ DefineConstant[
 If(length_x <= 0 || length_y <= 0 || formation_height <= 0 || subgrade_height <= 0)
   Error("length_x, length_y, formation_height and subgrade_height must be positive");
 EndIf
-If(cells_x < 1 || cells_y < 1 || cells_formation < 1 || cells_subgrade < 1)
-  Error("cells_x, cells_y, cells_formation and cells_subgrade must be at least 1");
+If(cells_x < 1 || cells_x > 10000 || cells_x != Floor(cells_x) || cells_y < 1 || cells_y > 10000 || cells_y != Floor(cells_y) || cells_formation < 1 || cells_formation > 10000 || cells_formation != Floor(cells_formation) || cells_subgrade < 1 || cells_subgrade > 10000 || cells_subgrade != Floor(cells_subgrade))
+  Error("cells_x, cells_y, cells_formation and cells_subgrade must be whole numbers from 1 to 10000");
 EndIf
 
 depth = formation_height + subgrade_height;

@@ -16,8 +16,8 @@ DefineConstant[
 If(depth <= 0 || patch_x <= 0 || patch_y <= 0 || length_x <= patch_x || length_y <= patch_y)
   Error("depth, patch_x and patch_y must be positive, and the block larger than its patch");
 EndIf
-If(cells_patch < 1 || cells_x < 1 || cells_y < 1 || cells_z < 1 || growth < 1)
-  Error("cells_patch, cells_x, cells_y, cells_z and growth must be at least 1");
+If(cells_patch < 1 || cells_patch > 10000 || cells_patch != Floor(cells_patch) || cells_x < 1 || cells_x > 10000 || cells_x != Floor(cells_x) || cells_y < 1 || cells_y > 10000 || cells_y != Floor(cells_y) || cells_z < 1 || cells_z > 10000 || cells_z != Floor(cells_z) || growth < 1)
+  Error("cells_patch, cells_x, cells_y and cells_z must be whole numbers from 1 to 10000, growth at least 1");
 EndIf
 
 Point(1) = {0, 0, 0};

@@ -18,18 +18,18 @@ EndIf
 If(seat_y - seat_length / 2 <= 0 || seat_y + seat_length / 2 >= length_y)
   Error("the rail seat, seat_y +- seat_length/2, must lie between 0 and length_y");
 EndIf
-If(cells_x < 1 || cells_y < 3 || cells_z < 1)
-  Error("cells_x and cells_z must be at least 1, cells_y at least 3");
+If(cells_x < 1 || cells_x > 10000 || cells_x != Floor(cells_x) || cells_y < 3 || cells_y > 10000 || cells_y != Floor(cells_y) || cells_z < 1 || cells_z > 10000 || cells_z != Floor(cells_z))
+  Error("cells_x and cells_z must be whole numbers from 1 to 10000, cells_y from 3");
 EndIf
 
 before = seat_y - seat_length / 2;
 after = length_y - seat_y - seat_length / 2;
 cells_seat = Round(cells_y * seat_length / length_y);
-If(cells_seat < 1)
+If(cells_seat < 1 || cells_seat > 10000 || cells_seat != Floor(cells_seat))
   cells_seat = 1;
 EndIf
 cells_before = Round((cells_y - cells_seat) * before / (before + after));
-If(cells_before < 1)
+If(cells_before < 1 || cells_before > 10000 || cells_before != Floor(cells_before))
   cells_before = 1;
 EndIf
 If(cells_before > cells_y - cells_seat - 1)

@@ -14,8 +14,8 @@ DefineConstant[
 If(span <= 0 || length <= span || width <= 0 || height <= 0)
   Error("span, width and height must be positive, and the length larger than the span");
 EndIf
-If(cells_span < 1 || cells_ledge < 1 || cells_y < 1 || cells_z < 1)
-  Error("cells_span, cells_ledge, cells_y and cells_z must be at least 1");
+If(cells_span < 1 || cells_span > 10000 || cells_span != Floor(cells_span) || cells_ledge < 1 || cells_ledge > 10000 || cells_ledge != Floor(cells_ledge) || cells_y < 1 || cells_y > 10000 || cells_y != Floor(cells_y) || cells_z < 1 || cells_z > 10000 || cells_z != Floor(cells_z))
+  Error("cells_span, cells_ledge, cells_y and cells_z must be whole numbers from 1 to 10000");
 EndIf
 
 Point(1) = {0, 0, -height / 2};

@@ -214,4 +214,49 @@ TEST(Statics, FreeMotionsAreNamed) {
   EXPECT_EQ(message_of(setup), head + "translation along x" + tail);
 }
 
+// Cells of eight points in a row have motions without strain: refused where a matrix is solved for. Two by two are kept
+// from them by each other.
+TEST(Statics, RowsOfReducedCellsAreRefused) {
+  auto row = fem_test::box("hex20_reduced", {1, 0.25, 0.25, 4, 1, 1});
+  row.supports = {{"x_min", {true, true, true}, ""}};
+  const std::string message = message_of(statics(row));
+  EXPECT_EQ(message.find("scene.toml:3: body \"box\": element = \"hex20_reduced\": cell 1 at (0.125, "), 0u) << message;
+  EXPECT_NE(message.find("mesh two cells across, or choose \"hex20\""), std::string::npos) << message;
+  row.mesh_parameters["cells_y"] = row.mesh_parameters["cells_z"] = 2;
+  EXPECT_EQ(message_of(statics(row)), "no error");
+}
+
+// The small-strain limit of the form for turning bodies, in elements that turn with their mean rotation: rounding at
+// their places, not at their small displacements, ends the iterations.
+TEST(Statics, TurningFramesConverge) {
+  for (const char* element : {"hex8_bbar", "hex8_incompatible", "hex8_one_point"}) {
+    auto body = cantilever(element, 24, 2);
+    const auto linear = fem::Model::create(MPI_COMM_SELF, statics(body));
+    body.materials[0].law = "left_cauchy_green";
+    const auto turning = fem::Model::create(MPI_COMM_SELF, statics(body));
+    for (const auto& model : {linear.get(), turning.get()}) fem_test::step(*model, 1);
+    const double expected = sag(*linear, "box", {2.4, 0, 0});
+    EXPECT_NEAR(sag(*turning, "box", {2.4, 0, 0}), expected, 1e-3 * expected) << element;
+  }
+}
+
+// A cube whose nodes are all led at a constant acceleration: what drives it is its mass times that.
+TEST(Newmark, ReactionsOfDrivenNodesHaveInertia) {
+  for (const auto kind : {fem::Solver::explicit_steps, fem::Solver::newmark}) {
+    auto body = fem_test::box("hex8", {1, 1, 1, 1, 1, 1});
+    body.motions = {{"shaker",
+                     "solid",
+                     fem::PrescribedMotion::Kind::displacement,
+                     {true, false, false},
+                     fem_test::history([](double t) { return 50 * t * t; }),
+                     ""}};
+    body.supports = {{"solid", {false, true, true}, ""}};
+    fem::Setup setup{{body}, {}};
+    setup.solver.kind = kind;
+    const auto model = fem::Model::create(MPI_COMM_SELF, setup);
+    for (int i = 0; i < 10; ++i) fem_test::step(*model, 1e-4);
+    EXPECT_NEAR(model->reaction("box", "solid").x, 2350 * 100, 1e-4 * 2350 * 100);
+  }
+}
+
 }  // namespace
