@@ -31,6 +31,7 @@ Assembly::Assembly(const Setup& setup, const std::vector<Mesh>& meshes, const La
           for (const int* node = first; node != last; ++node) connectivity.push_back(local(*node));
         }
         if (part.elements.empty()) continue;
+        part.elements.shrink_to_fit();
         part.block = ElementBlock::make({body.element, body.materials[region], places, connectivity});
         viscous_ = viscous_ || part.block->viscous();
         keeps_history_ = keeps_history_ || part.block->keeps_history();

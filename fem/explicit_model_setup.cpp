@@ -59,6 +59,9 @@ std::vector<Mesh> read_meshes(MPI_Comm comm, const Setup& setup) {
   std::vector<Mesh> meshes;
   for (const auto& body : setup.bodies) {
     meshes.push_back(read_mesh(comm, body));
+    meshes.back().nodes.shrink_to_fit();
+    meshes.back().elements.shrink_to_fit();
+    meshes.back().regions.shrink_to_fit();
     meshes.back().shared = tie_periodic_faces(meshes.back(), body);
     if (setup.solver.kind != Solver::explicit_steps || setup.solver.start_in_equilibrium)
       refuse_rows_of_reduced_cells(meshes.back(), body);

@@ -155,6 +155,7 @@ Layout::Layout(MPI_Comm communicator, const std::vector<Mesh>& meshes) : comm(co
       if (owner[node] != rank || unknown_of_global[node] != node) ghost_nodes.push_back(node);
     });
   }
+  for (auto& own : elements) own.shrink_to_fit();
   std::ranges::sort(ghost_nodes, {}, [&](int node) { return std::pair{petsc_of_global[node], node}; });
   ghost_nodes.erase(std::unique(ghost_nodes.begin(), ghost_nodes.end()), ghost_nodes.end());
   for (const int node : ghost_nodes) {
