@@ -16,7 +16,6 @@
 #include <filesystem>
 #include <map>
 
-#include "base/memory.hpp"
 #include "base/pvd.hpp"
 #include "fem/communication.hpp"
 #include "fem/families.hpp"
@@ -228,7 +227,6 @@ void Output::write(const std::string& directory, const Frame& frame) {
       impl.write_file(grid, b, directory, frame.time);
     }
   });
-  base::release_memory();
 }
 
 }  // namespace fem
