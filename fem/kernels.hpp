@@ -16,11 +16,13 @@ struct Kernel {
     const Law& law = *static_cast<const Law*>(k.law);
     for (int batch = k.first_batch; batch < k.last_batch; ++batch) {
       const int* nodes = k.nodes + static_cast<long>(batch) * Element::nodes * W;
-      const T* g = reinterpret_cast<const T*>(k.geometry + static_cast<long>(batch) * Element::geometry_size * W);
-      T u[Element::nodes][3], v[Law::viscous ? Element::nodes : 1][3], f[Element::nodes][3];
+      const double* geometry = k.geometry + static_cast<long>(batch) * Element::geometry_size * W;
+      T u[Element::nodes][3], v[Law::viscous ? Element::nodes : 1][3], f[Element::nodes][3], g[Element::geometry_size];
       T history[history_size > 0 ? history_size : 1];
       Loss<T> loss;
       gather(k.displacements, nodes, u);
+      // a copy: read once in order, found in the nearest cache after
+      for (int i = 0; i < Element::geometry_size; ++i) g[i] = load<T>(geometry + i * W);
       if constexpr (Law::viscous) {
         for (auto& node : v) node[0] = node[1] = node[2] = T{};
         if (k.velocities) gather(k.velocities, nodes, v);

@@ -9,7 +9,7 @@ namespace fem {
 
 template <int W>
 struct PackOf {
-  typedef double type __attribute__((vector_size(8 * W), may_alias));
+  typedef double type __attribute__((vector_size(8 * W)));
 };
 template <>
 struct PackOf<1> {
