@@ -32,8 +32,8 @@ struct PackingReport {
 /// not look at that number.
 std::vector<dem::Grain> pack(const Scene&, const std::vector<base::Skin>& skins, dem::Backend, PackingReport&);
 
-/// The scene's interaction as beds are made with it: friction that falls with stress is the classical one there, so that
-/// one bed serves the tests of both (Irazabal2017 6.3.2, 6.3.4).
+/// The scene's interaction as beds are made with it: friction that falls with stress is the classical one there, so
+/// that one bed serves the tests of both (Irazabal2017 6.3.2, 6.3.4).
 dem::Interaction for_beds(dem::Interaction);
 
 /// The interaction with the frictions of the packing, where they are the lower ones.
