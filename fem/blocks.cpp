@@ -55,10 +55,6 @@ class Block final : public ElementBlock {
     return std::unique_ptr<ElementBlock>(new Block(*this, first, last));
   }
 
-  void stresses(const double* displacements, std::vector<std::array<double, 6>>& result) const override {
-    stresses(displacements, nullptr, result);
-  }
-
   void stresses(const double* displacements, const double* velocities,
                 std::vector<std::array<double, 6>>& result) const override {
     for (int e = 0; e < elements_; ++e) {

@@ -87,9 +87,7 @@ class ElementBlock {
   /// Adds each element's lumped mass [kg] to its nodes.
   void add_lumped_mass(double* nodal_mass) const;
 
-  /// Mean stress of every element [Pa]: xx, yy, zz, xy, yz, xz.
-  virtual void stresses(const double* displacements, std::vector<std::array<double, 6>>& result) const = 0;
-  /// The same of moving elements; velocities may be null.
+  /// Mean stress of every element [Pa]: xx, yy, zz, xy, yz, xz; velocities may be null: at rest.
   virtual void stresses(const double* displacements, const double* velocities,
                         std::vector<std::array<double, 6>>& result) const = 0;
   /// Largest eigenvalue [1/s2] of M^-1 (K + rate C) of each element on its own, free, with its own lumped mass M, among

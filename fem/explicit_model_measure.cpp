@@ -144,11 +144,12 @@ Vec3 ExplicitModel::reaction(const std::string& body, const std::string& group) 
 
 std::vector<std::array<double, 6>> ExplicitModel::element_stresses(const std::string& body) const {
   const int b = body_index(body);
-  for (NodalField* field : {&displacement_, &velocity_}) {
-    field->begin_to_ghosts();
-    field->end_to_ghosts();
-  }
-  const auto own = assembly_.stresses(b, displacement_, &velocity_);
+  const bool moves = assembly_.viscous();
+  displacement_.begin_to_ghosts();
+  displacement_.end_to_ghosts();
+  if (moves) velocity_.begin_to_ghosts();
+  if (moves) velocity_.end_to_ghosts();
+  const auto own = assembly_.stresses(b, displacement_, moves ? &velocity_ : nullptr);
   const auto elements = assembly_.elements_of(b);
   std::vector<std::array<double, 6>> all(meshes_[b].regions.size());
   for (std::size_t i = 0; i < own.size(); ++i) all[elements[i]] = own[i];

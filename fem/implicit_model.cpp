@@ -13,6 +13,7 @@ namespace fem {
 ImplicitModel::ImplicitModel(MPI_Comm comm, const Setup& setup)
     : ExplicitModel(comm, setup),
       newton_(setup_.solver, layout_, assembly_, *tangent_, inverse_mass_),
+      elastic_(layout_),
       weight_(weights()),
       balanced_(external_.size(), 0.0),
       weight_balanced_(external_.size(), 0.0) {
@@ -92,8 +93,7 @@ void ImplicitModel::drive(double dt, const Step& before) {
 }
 
 /// The forces that drive the driven components.
-void ImplicitModel::react() {
-  const auto damping = damping_forces();
+void ImplicitModel::react(std::span<const double> damping) {
   for (auto& driven : driven_) {
     const int i = driven.index;
     driven.reaction = inner_.data()[i] - external_[i] + damping[i];
@@ -135,10 +135,11 @@ void ImplicitModel::correct(double dt) {
   }
   if (!moves) refuse_absurd_displacements();
   remember();
-  react();
+  const auto damping = damping_forces();
+  react(damping);
   balanced_ = external_;
   weight_balanced_ = weight_;
-  book_work(before);
+  book_work(before, damping);
 }
 
 /// A hinge, or a material without stiffness, lets a static body go anywhere.
@@ -167,15 +168,13 @@ void ImplicitModel::remember() {
     ledger_.loss_plastic += assembly_.advance(displacement_, velocity_, inner_).plastic_work;
   }
   if (!creeps()) return;
-  NodalField elastic(layout_);
   displacement_.begin_to_ghosts();
-  assembly_.inner_forces(displacement_, nullptr, elastic);
-  for (std::size_t i = 0; i < viscous_.size(); ++i) viscous_[i] = inner_.data()[i] - elastic.data()[i];
+  assembly_.inner_forces(displacement_, nullptr, elastic_);
+  for (std::size_t i = 0; i < viscous_.size(); ++i) viscous_[i] = inner_.data()[i] - elastic_.data()[i];
 }
 
 /// Work of a force over a step: the mean of its two ends times the way.
-void ImplicitModel::book_work(const Step& before) {
-  const auto damping = damping_forces();
+void ImplicitModel::book_work(const Step& before, std::span<const double> damping) {
   for (std::size_t i = 0; i < external_.size(); ++i) {
     const double half_way = 0.5 * (displacement_.data()[i] - before.displacements[i]);
     ledger_.work_loads += half_way * (before.loads[i] + external_[i]);

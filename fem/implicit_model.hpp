@@ -10,6 +10,8 @@
 // the equilibrium before; its works are those of forces that grow in proportion from one to the next.
 // Laws that remember take a step as one, and keep what it ends with (backward Euler). Driven nodes follow their history
 // as in the explicit model.
+#include <span>
+
 #include "fem/explicit_model.hpp"
 #include "fem/newton.hpp"
 
@@ -41,13 +43,14 @@ class ImplicitModel final : public ExplicitModel {
   Step begin() const;
   void guess(double dt);
   void drive(double dt, const Step& before);
-  void react();
+  void react(std::span<const double> damping);
   void refuse_absurd_displacements() const;
   void remember();
-  void book_work(const Step& before);
+  void book_work(const Step& before, std::span<const double> damping);
   std::vector<double> damping_forces() const;  // [N] (alpha M + D) v of the owned components
 
   Newton newton_;
+  NodalField elastic_;                              // [N] inner forces without their viscous part, where it creeps()
   std::vector<double> weight_;                      // [N] gravity on the owned components that are free
   std::vector<double> balanced_, weight_balanced_;  // [N] static: loads and weight of the last equilibrium
   std::vector<double> viscous_;                     // [N] viscous part of the inner forces, where it creeps()

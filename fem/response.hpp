@@ -123,7 +123,7 @@ class Response {
     const Elastic& elastic = law.elastic();
     const Field field(g, elastic, motion.displacements);
     const Rate rate(g, elastic, motion.velocities);
-    typename Element::template Forces<T> forces(g, elastic);
+    typename Element::template Forces<T, Law::hooke> forces(g, elastic);
     for (int p = 0; p < Element::points; ++p) {
       Deformation<T> d;
       deform(field, r, p, d.gradient);
@@ -139,7 +139,7 @@ class Response {
       if constexpr (Law::history > 0) loss.plastic += weight * density.plastic;
       forces.add(p, stress);
     }
-    forces.template finish<Law::hooke>(f);
+    forces.finish(f);
     if constexpr (Element::stabilised) {
       Element::stabilise(g, motion.displacements, f);
       if constexpr (Law::viscous) loss.viscous += Element::drag(g, law.relaxation(), motion.velocities, f);

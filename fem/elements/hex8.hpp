@@ -186,11 +186,11 @@ struct Hex8 {
     T mean{};  // dilatation
   };
 
-  template <class T>
+  template <class T, bool hooke>
   struct Forces : hex8::Forces<T> {
     inline __attribute__((always_inline)) Forces(const T* geometry, const Elastic&) : hex8::Forces<T>(geometry) {}
     inline __attribute__((always_inline)) void add(int p, const T (*stress)[3]) {
-      if constexpr (mean_dilatation) {
+      if constexpr (splits) {
         const T third = (stress[0][0] + stress[1][1] + stress[2][2]) * (1.0 / 3.0);
         T deviator[3][3];
         for (int c = 0; c < 3; ++c) {
@@ -203,15 +203,16 @@ struct Hex8 {
         hex8::Forces<T>::add(p, stress);
       }
     }
-    template <bool hooke>
     inline __attribute__((always_inline)) void finish(T (*f)[3]) {
       hex8::Forces<T>::finish(f);
-      if constexpr (mean_dilatation) {
+      if constexpr (splits) {
         for (int a = 0; a < 8; ++a) {
           for (int c = 0; c < 3; ++c) f[a][c] += pressure * this->g[80 + 3 * a + c];
         }
       }
     }
+    // Hooke's mean stress is the same at every point already
+    static constexpr bool splits = mean_dilatation && !hooke;
     T pressure{};  // sum of weight times mean stress
   };
 };

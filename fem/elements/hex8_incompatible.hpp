@@ -102,7 +102,7 @@ struct Hex8Incompatible {
     T mode[3][3][3];  // [e] gradient of the mode times volume, without its sign
   };
 
-  template <class T>
+  template <class T, bool hooke>
   struct Forces : hex8::Forces<T> {
     inline __attribute__((always_inline)) Forces(const T* geometry, const Elastic& given)
         : hex8::Forces<T>(geometry), elastic(given) {}
@@ -115,7 +115,6 @@ struct Hex8Incompatible {
         }
       }
     }
-    template <bool hooke>
     inline __attribute__((always_inline)) void finish(T (*f)[3]) {
       if constexpr (!hooke) {  // Hooke's forces on the modes vanish
         T force[9], alpha[9], mode[3][3][3];

@@ -57,7 +57,7 @@ struct Hex8OnePoint {
     const T (*u)[3];
   };
 
-  template <class T>
+  template <class T, bool hooke>
   struct Forces {
     inline __attribute__((always_inline)) Forces(const T* geometry, const Elastic&) : g(geometry) {}
     inline __attribute__((always_inline)) void add(int, const T (*given)[3]) {
@@ -65,7 +65,6 @@ struct Hex8OnePoint {
         for (int d = 0; d < 3; ++d) stress[c][d] = given[c][d];
       }
     }
-    template <bool hooke>
     inline __attribute__((always_inline)) void finish(T (*f)[3]) {
       for (int a = 0; a < 8; ++a) {
         for (int c = 0; c < 3; ++c)

@@ -80,7 +80,7 @@ struct Isoparametric {
     const T (*u)[3];
   };
 
-  template <class T>
+  template <class T, bool hooke>
   struct Forces {
     inline __attribute__((always_inline)) Forces(const T* geometry, const Elastic&) : g(geometry) {}
     inline __attribute__((always_inline)) void add(int p, const T (*stress)[3]) {
@@ -93,7 +93,6 @@ struct Isoparametric {
         }
       }
     }
-    template <bool hooke>
     inline __attribute__((always_inline)) void finish(T (*f)[3]) {
       for (int a = 0; a < nodes; ++a) {
         for (int c = 0; c < 3; ++c) f[a][c] = sum[a][c];

@@ -48,11 +48,10 @@ struct Tet4 {
   };
 
   /// Nodal forces from stress times weight at the points: the transpose of Field.
-  template <class T>
+  template <class T, bool hooke>
   struct Forces {
     inline __attribute__((always_inline)) Forces(const T* geometry, const Elastic&) : g(geometry) {}
     inline __attribute__((always_inline)) void add(int, const T (*stress)[3]) { to_reference(stress, g, flux); }
-    template <bool hooke>
     inline __attribute__((always_inline)) void finish(T (*f)[3]) {
       for (int c = 0; c < 3; ++c) {
         for (int e = 0; e < 3; ++e) f[e + 1][c] = flux[c][e];

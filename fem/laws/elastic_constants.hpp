@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "fem/elements/elastic.hpp"
 #include "fem/fem.hpp"
+#include "fem/laws/deformation.hpp"
 
 namespace fem {
 
@@ -34,6 +35,15 @@ inline bool is_viscous(const MaterialRegion& m) { return m.shear_viscosity > 0 |
 inline Elastic elastic_constants(const MaterialRegion& m) {
   const double e = m.young_modulus, nu = m.poisson_ratio;
   return {e * nu / ((1 + nu) * (1 - 2 * nu)), e / (2 * (1 + nu))};
+}
+
+/// Elastic energy [J/m3] of Hooke's law at a displacement gradient.
+template <class T>
+T hooke_energy(const Elastic& elastic, const T (*gradient)[3]) {
+  T strain[6], stress[6];
+  symmetric_part(gradient, strain);
+  isotropic(elastic.lambda, elastic.mu, strain, stress);
+  return 0.5 * contraction(stress, strain);
 }
 
 /// [Pa s] lambda_D and mu_D.

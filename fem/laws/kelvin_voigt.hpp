@@ -40,10 +40,7 @@ class KelvinVoigt {
 
   template <class T>
   T stored(const Deformation<T>& d, const T*) const {
-    T strain[6], stress[6];
-    symmetric_part(d.gradient, strain);
-    isotropic(elastic_.lambda, elastic_.mu, strain, stress);
-    return 0.5 * contraction(stress, strain);
+    return hooke_energy(elastic_, d.gradient);
   }
 
  private:

@@ -73,7 +73,7 @@ TEST_P(ElementCase, PatchTest) {
   const double expected[6] = {trace + 2 * mu * a[0][0], trace + 2 * mu * a[1][1], trace + 2 * mu * a[2][2],
                               mu * (a[0][1] + a[1][0]), mu * (a[1][2] + a[2][1]), mu * (a[0][2] + a[2][0])};
   std::vector<std::array<double, 6>> stresses;
-  block->stresses(u.data(), stresses);
+  block->stresses(u.data(), nullptr, stresses);
   ASSERT_EQ(stresses.size(), patch.connectivity.size() / fem::element_nodes(GetParam()));
   for (const auto& stress : stresses) {
     for (int i = 0; i < 6; ++i) EXPECT_NEAR(stress[i], expected[i], 1e-12 * e * 2e-4);
@@ -237,7 +237,7 @@ TEST_P(ElementCase, RotationProofFormTurnsFreely) {
              axis * (base::dot(axis, x) * (1 - std::cos(angle))) - x;
     });
     std::vector<std::array<double, 6>> stresses;
-    turning->stresses(u.data(), stresses);
+    turning->stresses(u.data(), nullptr, stresses);
     for (const auto& stress : stresses) {
       for (const double value : stress) ASSERT_NEAR(value, 0, 1e-10 * material.young_modulus) << eighth;
     }
