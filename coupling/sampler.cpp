@@ -22,7 +22,7 @@ static_assert(std::is_trivially_copyable_v<base::Energy> && sizeof(base::Energy)
 bool is_body_probe(const Probe& probe) {
   return probe.kind == ProbeKind::displacement || probe.kind == ProbeKind::velocity ||
          probe.kind == ProbeKind::acceleration || probe.kind == ProbeKind::load || probe.kind == ProbeKind::reaction ||
-         probe.kind == ProbeKind::body_stress;
+         probe.kind == ProbeKind::body_stress || probe.kind == ProbeKind::body_plastic_strain;
 }
 
 bool follows_grain(const Probe& probe) {
@@ -122,7 +122,9 @@ Sampler::Sample Sampler::sample(double time, bool thorough) {
 double Sampler::body_probe(const Probe& probe) const {
   if (probe.kind == ProbeKind::load) return probe.scale * bodies_->load_value(probe.load);
   if (probe.kind == ProbeKind::body_stress)
-    return probe.scale * stress_component(bodies_->stress_at(probe.body, *probe.point), probe.component);
+    return probe.scale * stress_component(bodies_->stress_at(probe.body, {probe.point, probe.group}), probe.component);
+  if (probe.kind == ProbeKind::body_plastic_strain)
+    return probe.scale * bodies_->plastic_strain_at(probe.body, {probe.point, probe.group});
   if (probe.kind == ProbeKind::reaction)
     return probe.scale * bodies_->reaction(probe.body, probe.group)[probe.component];
   const auto quantity = probe.kind == ProbeKind::displacement ? fem::Quantity::displacement

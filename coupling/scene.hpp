@@ -220,7 +220,8 @@ enum class ProbeKind {
   angle,  // of other probes that stand before it
   reaction,
   mode_frequency,
-  body_stress,  // of a body
+  body_stress,
+  body_plastic_strain,  // of a body, at a point or over a group
   time
 };
 struct Probe {

@@ -122,8 +122,9 @@ Probe read_probe(const Value& row, const Scene& scene) {
   const bool combined = where == ProbeRow::sum || where == ProbeRow::pair;
   if (combined) read_combination(row, scene, probe);
   const bool of_mode = where == ProbeRow::mode;
-  const bool of_body =
-      where == ProbeRow::body_motion || where == ProbeRow::body_group || where == ProbeRow::body_point || of_mode;
+  const bool at_spot =
+      where == ProbeRow::body_motion || where == ProbeRow::body_stress || where == ProbeRow::body_strain;
+  const bool of_body = at_spot || where == ProbeRow::body_group || of_mode;
   const bool of_grains = !of_body && where != ProbeRow::load && where != ProbeRow::clock && !combined;
   if (of_mode != scene.is_modal() && !combined)
     fail(row.at("kind"),
@@ -132,7 +133,7 @@ Probe read_probe(const Value& row, const Scene& scene) {
   if (of_grains && !scene.has_grains()) fail(row.at("kind"), "there are no grains to measure", "remove the probe");
   if (probe.kind == ProbeKind::broken_bonds && !scene.grains->bonding.any())
     fail(row.at("kind"), "no grains are bonded", "add [grains.bond] or [[bond]], or remove the probe");
-  if (where == ProbeRow::body_motion) require_one(row, "group", "point");
+  if (at_spot) require_one(row, "group", "point");
   if (where == ProbeRow::contact || where == ProbeRow::contact_area) require_one(row, "body", "wall");
   if (const Value* body = row.find("body")) {
     require_body(*body, scene, !of_body);
@@ -145,7 +146,7 @@ Probe read_probe(const Value& row, const Scene& scene) {
   if (const Value* load = row.find("load")) read_load_name(*load, scene, probe);
   if (const Value* wall = row.find("wall")) read_wall_name(*wall, scene, probe);
   const Value* component = row.find("component");
-  if (component && where == ProbeRow::body_point) {
+  if (component && where == ProbeRow::body_stress) {
     const auto& names = stress_components();
     probe.component = static_cast<int>(std::find(names.begin(), names.end(), component->text()) - names.begin());
   } else if (component && where != ProbeRow::stress) {

@@ -408,7 +408,8 @@ const std::vector<ProbeRow>& probe_rows() {
       {"angle", "rad", "arc tangent of one probe over another", ProbeRow::pair},
       {"reaction", "N", "sum of the supports' forces on the nodes of a group of a body", ProbeRow::body_group},
       {"mode_frequency", "Hz", "frequency of an elastic mode of a body, of fem.solver = \"modal\"", ProbeRow::mode},
-      {"body_stress", "Pa", "stress of a body at a node, from the elements around it", ProbeRow::body_point},
+      {"body_stress", "Pa", "stress of a body, from the elements around", ProbeRow::body_stress},
+      {"body_plastic_strain", "", "plastic strain of a body, from the elements around", ProbeRow::body_strain},
       {"time", "s", "time since the run began, for results taken at an instant", ProbeRow::clock}};
   return rows;
 }
@@ -480,10 +481,13 @@ Table probe_table(const ProbeRow& row) {
       list.push_back(base::text("group", "physical group of its mesh"));
       list.push_back(component);
       break;
-    case ProbeRow::body_point:
+    case ProbeRow::body_stress:
+    case ProbeRow::body_strain:
       list.push_back(base::text("body", "name of the body"));
-      list.push_back(base::vector("point", "m", "at the node nearest to this point"));
-      list.push_back(base::text("component", "of the stress").among(stress_components()).otherwise("von_mises"));
+      list.push_back(base::text("group", "mean over the area of this physical surface").optional("`point` instead"));
+      list.push_back(base::vector("point", "m", "at the node nearest to this point").optional("`group` instead"));
+      if (row.where == ProbeRow::body_stress)
+        list.push_back(base::text("component", "of the stress").among(stress_components()).otherwise("von_mises"));
       break;
     case ProbeRow::mode:
       list.push_back(base::text("body", "name of the body"));

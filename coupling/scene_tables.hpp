@@ -68,7 +68,8 @@ struct ProbeRow {
     pair,
     body_group,
     mode,
-    body_point,
+    body_stress,
+    body_strain,
     clock
   } where;
 };

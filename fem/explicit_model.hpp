@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -50,7 +51,8 @@ class ExplicitModel : public Model {
   Vec3 probe_point(const std::string& body, Vec3 point, Quantity) const override;
   Vec3 reaction(const std::string& body, const std::string& group) const override;
   std::vector<std::array<double, 6>> element_stresses(const std::string& body) const override;
-  std::array<double, 6> stress_at(const std::string& body, Vec3 point) const override;
+  std::array<double, 6> stress_at(const std::string& body, const Spot&) const override;
+  double plastic_strain_at(const std::string& body, const Spot&) const override;
   double load_value(const std::string& name) const override;
   void set_displacement_zero() override;
   void write(const std::string& directory, double time) override;
@@ -102,6 +104,9 @@ class ExplicitModel : public Model {
   std::vector<double> reactions() const;  // [N] of supports, on the owned components that they hold
   Vec3 value_at(int owned_node, Quantity) const;
   int nearest_node(int body, const Vec3& point) const;
+  const Recovery& recovery_at(int body, const Spot&) const;
+  template <class Value>
+  std::vector<Value> of_all_elements(int body, const std::vector<Value>& own) const;
   // explicit_model_state.cpp
   std::vector<double> by_global_number(std::span<const double> owned) const;
   void take_owned(const base::Columns&, const std::string& name, std::span<double> owned) const;
@@ -141,7 +146,7 @@ class ExplicitModel : public Model {
   double viscous_power_ = 0;  // [W] of the last inner forces, this rank's
   long steps_ = 0;
   mutable std::vector<std::pair<std::pair<int, std::array<double, 3>>, int>> nearest_;  // body, point: node
-  mutable std::map<std::pair<int, int>, Recovery> recoveries_;  // by body and node, as they are asked for
+  mutable std::map<std::tuple<int, int, std::string>, Recovery> recoveries_;  // by body and node or group, as asked for
   std::unique_ptr<Output> output_;
   std::unique_ptr<Tangent> tangent_;    // where the solver needs it
   std::vector<Mechanisms> mechanisms_;  // per body, where the solver needs them

@@ -149,29 +149,59 @@ std::vector<std::array<double, 6>> ExplicitModel::element_stresses(const std::st
   displacement_.end_to_ghosts();
   if (moves) velocity_.begin_to_ghosts();
   if (moves) velocity_.end_to_ghosts();
-  const auto own = assembly_.stresses(b, displacement_, moves ? &velocity_ : nullptr);
+  return of_all_elements(b, assembly_.stresses(b, displacement_, moves ? &velocity_ : nullptr));
+}
+
+/// In the order of the mesh, on every rank.
+template <class Value>
+std::vector<Value> ExplicitModel::of_all_elements(int b, const std::vector<Value>& own) const {
   const auto elements = assembly_.elements_of(b);
-  std::vector<std::array<double, 6>> all(meshes_[b].regions.size());
+  std::vector<Value> all(meshes_[b].regions.size());
   for (std::size_t i = 0; i < own.size(); ++i) all[elements[i]] = own[i];
-  sum(layout_.comm, all.front().data(), static_cast<int>(6 * all.size()));
+  sum(layout_.comm, reinterpret_cast<double*>(all.data()),
+      static_cast<int>(all.size() * sizeof(Value) / sizeof(double)));
   return all;
 }
 
-std::array<double, 6> ExplicitModel::stress_at(const std::string& body, Vec3 point) const {
-  const int b = body_index(body), node = nearest_node(b, point);
-  const auto [place, fresh] = recoveries_.try_emplace({b, node});
-  auto& recovery = place->second;
-  if (fresh) {  // the first rank has all elements
-    if (layout_.rank == 0) recovery = recovery_at(meshes_[b], node);
-    broadcast(layout_.comm, recovery.elements);
-    broadcast(layout_.comm, recovery.weights);
+const Recovery& ExplicitModel::recovery_at(int b, const Spot& spot) const {
+  const int node = spot.point ? nearest_node(b, *spot.point) : -1;
+  const auto [place, fresh] = recoveries_.try_emplace({b, node, spot.group});
+  Recovery& recovery = place->second;
+  if (!fresh) return recovery;
+  const auto& body = setup_.bodies[b];
+  const Group* group = spot.point ? nullptr : &find_group(meshes_[b], body, body.origin, "probe.group", spot.group);
+  if (group && group->facets.empty()) {
+    recoveries_.erase(place);
+    throw base::UserError(
+        fmt::format("{}: probe.group = \"{}\" is not a surface; a mean over an area needs a physical surface",
+                    body.origin, spot.group));
   }
+  // the first rank has all elements
+  if (layout_.rank == 0)
+    recovery = group ? recovery_over(meshes_[b], group->facets) : fem::recovery_at(meshes_[b], node);
+  broadcast(layout_.comm, recovery.elements);
+  broadcast(layout_.comm, recovery.weights);
+  return recovery;
+}
+
+std::array<double, 6> ExplicitModel::stress_at(const std::string& body, const Spot& spot) const {
+  const Recovery& recovery = recovery_at(body_index(body), spot);
   const auto stresses = element_stresses(body);
   std::array<double, 6> result{};
   for (std::size_t i = 0; i < recovery.elements.size(); ++i) {
     for (int c = 0; c < 6; ++c) result[c] += recovery.weights[i] * stresses[recovery.elements[i]][c];
   }
   return result;
+}
+
+double ExplicitModel::plastic_strain_at(const std::string& body, const Spot& spot) const {
+  const int b = body_index(body);
+  const Recovery& recovery = recovery_at(b, spot);
+  const auto strains = of_all_elements(b, assembly_.plastic_strains(b));
+  double result = 0;
+  for (std::size_t i = 0; i < recovery.elements.size(); ++i)
+    result += recovery.weights[i] * strains[recovery.elements[i]];
+  return std::max(result, 0.0);
 }
 
 double ExplicitModel::load_value(const std::string& name) const {

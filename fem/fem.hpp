@@ -154,6 +154,13 @@ struct BodyCounts {
 
 enum class Quantity { displacement, velocity, acceleration };
 
+/// Where a field of the elements is asked for: at the node nearest to a point, or, without one, its mean over the area
+/// of a surface group.
+struct Spot {
+  std::optional<Vec3> point;
+  std::string group;
+};
+
 class Model {
  public:
   static std::unique_ptr<Model> create(MPI_Comm, const Setup&);
@@ -197,8 +204,10 @@ class Model {
   virtual Vec3 reaction(const std::string& body, const std::string& group) const = 0;
   /// Mean stress [Pa] (xx, yy, zz, xy, yz, xz) of every element of a body in the order of its mesh, on every rank.
   virtual std::vector<std::array<double, 6>> element_stresses(const std::string& body) const = 0;
-  /// Stress recovered at the node nearest to a point (recovery.hpp).
-  virtual std::array<double, 6> stress_at(const std::string& body, Vec3 point) const = 0;
+  /// Stress [Pa] and plastic strain [-] recovered at a spot (recovery.hpp); plastic strain is not below zero. Throws
+  /// base::UserError for a group that is no surface.
+  virtual std::array<double, 6> stress_at(const std::string& body, const Spot&) const = 0;
+  virtual double plastic_strain_at(const std::string& body, const Spot&) const = 0;
   /// Present value of a load's or a motion's history (not collective).
   virtual double load_value(const std::string& name) const = 0;
   /// Displacement zero for output and probes from here on (the state itself is untouched).

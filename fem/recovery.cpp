@@ -3,30 +3,42 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 #include <set>
+
+#include "fem/faces.hpp"
 
 namespace fem {
 namespace {
 
-/// Elements that have one of the nodes.
-std::vector<int> elements_with(const Mesh& mesh, const std::set<int>& nodes) {
-  std::vector<int> result;
-  for (int e = 0; e < mesh.element_count(); ++e) {
-    const int* first = mesh.element(e);
-    if (std::any_of(first, first + mesh.element_nodes, [&](int node) { return nodes.count(node) > 0; }))
-      result.push_back(e);
+/// The elements of every node.
+class Neighbours {
+ public:
+  explicit Neighbours(const Mesh& mesh) : start_(mesh.nodes.size() + 1, 0), elements_(mesh.elements.size()) {
+    for (const int node : mesh.elements) ++start_[node];
+    std::partial_sum(start_.begin(), start_.end(), start_.begin());
+    for (std::size_t i = mesh.elements.size(); i-- > 0;)
+      elements_[--start_[mesh.elements[i]]] = static_cast<int>(i) / mesh.element_nodes;
   }
-  return result;
-}
 
-}  // namespace
+  /// Those that have one of the nodes, rising.
+  std::vector<int> with(const std::set<int>& nodes) const {
+    std::set<int> result;
+    for (const int node : nodes) result.insert(elements_.begin() + start_[node], elements_.begin() + start_[node + 1]);
+    return {result.begin(), result.end()};
+  }
 
-Recovery recovery_at(const Mesh& mesh, int node) {
+ private:
+  std::vector<int> start_, elements_;
+};
+
+Recovery recovery_at(const Mesh& mesh, const Neighbours& neighbours, int node) {
   constexpr double determined = 0.01;  // smallest over largest moment of the centres
   std::set<int> nodes{node};
   std::size_t before = 0;
   while (true) {
-    const auto elements = elements_with(mesh, nodes);
+    const auto elements = neighbours.with(nodes);
     Eigen::MatrixX3d centres(elements.size(), 3);
     for (std::size_t i = 0; i < elements.size(); ++i) {
       const Vec3 centre = mesh.centre(elements[i]);
@@ -47,6 +59,32 @@ Recovery recovery_at(const Mesh& mesh, int node) {
     before = elements.size();
     for (const int e : elements) nodes.insert(mesh.element(e), mesh.element(e) + mesh.element_nodes);
   }
+}
+
+}  // namespace
+
+Recovery recovery_at(const Mesh& mesh, int node) { return recovery_at(mesh, Neighbours(mesh), node); }
+
+Recovery recovery_over(const Mesh& mesh, const std::vector<Facet>& facets) {
+  std::map<int, double> areas, weights;  // of nodes, of elements
+  double total = 0;
+  for (const auto& facet : facets) {
+    for (const auto& node : integrate(mesh, facet)) {
+      areas[node.node] += node.area;
+      total += node.area;
+    }
+  }
+  const Neighbours neighbours(mesh);
+  for (const auto& [node, area] : areas) {
+    const auto at = recovery_at(mesh, neighbours, node);
+    for (std::size_t i = 0; i < at.elements.size(); ++i) weights[at.elements[i]] += area / total * at.weights[i];
+  }
+  Recovery result;
+  for (const auto& [element, weight] : weights) {
+    result.elements.push_back(element);
+    result.weights.push_back(weight);
+  }
+  return result;
 }
 
 double von_mises(const std::array<double, 6>& s) {

@@ -17,5 +17,7 @@ struct Recovery {
 };
 
 Recovery recovery_at(const Mesh&, int node);
+/// The mean over the area of facets of the field that the shape functions make of the nodes' values.
+Recovery recovery_over(const Mesh&, const std::vector<Facet>&);
 
 }  // namespace fem

@@ -27,6 +27,24 @@ TEST(Stress, LinearFieldIsRecoveredAtEveryNode) {
   }
 }
 
+// The mean over a face of a field that is linear in space is its value at the face's centre.
+TEST(Stress, MeanOverAFace) {
+  for (const char* element : {"tet4", "tet10", "hex8", "hex20"}) {
+    const auto mesh = fem::read_mesh(MPI_COMM_SELF, fem_test::box(element, {1.2, 0.5, 0.4, 4, 3, 2}));
+    const auto field = [](const base::Vec3& x) { return 3 - 2 * x.x + 5 * x.y + 7 * x.z; };
+    const auto recovery = fem::recovery_over(mesh, mesh.groups.at("z_max").facets);
+    double value = 0;
+    for (std::size_t i = 0; i < recovery.elements.size(); ++i)
+      value += recovery.weights[i] * field(mesh.centre(recovery.elements[i]));
+    base::Vec3 lower = mesh.nodes[0], upper = lower;
+    for (const auto& node : mesh.nodes) {
+      for (int c = 0; c < 3; ++c) lower[c] = std::min(lower[c], node[c]), upper[c] = std::max(upper[c], node[c]);
+    }
+    const base::Vec3 centre{0.5 * (lower.x + upper.x), 0.5 * (lower.y + upper.y), upper.z};
+    EXPECT_NEAR(value, field(centre), 1e-11) << element;
+  }
+}
+
 // One element alone has one stress: it is that of its nodes.
 TEST(Stress, OneElementGivesItsOwn) {
   const auto mesh = fem::read_mesh(MPI_COMM_SELF, fem_test::box("hex8", {}));
@@ -59,12 +77,29 @@ fem::Setup statics(const fem::Body& body) {
   return setup;
 }
 
+// A block under its own weight on rollers: the foot carries rho g h, whoever asks over its whole face.
+TEST(Stress, FootOfABlockUnderItsWeight) {
+  auto body = fem_test::box("hex8", {1, 1, 1, 3, 3, 4});
+  body.gravity = true;
+  body.materials[0].poisson_ratio = 0;  // uniaxial in every layer, whose mean stress is that of its middle
+  body.supports = {
+      {"x_min", {true, false, false}, ""}, {"y_min", {false, true, false}, ""}, {"z_min", {false, false, true}, ""}};
+  auto setup = statics(body);
+  setup.gravity = {0, 0, -10};
+  const auto model = fem::Model::create(MPI_COMM_SELF, setup);
+  fem_test::step(*model, 1);
+  const double weight = body.materials[0].density * 10;
+  EXPECT_NEAR(model->stress_at("box", {std::nullopt, "z_min"})[2], -weight, 1e-9 * weight);
+  EXPECT_EQ(model->plastic_strain_at("box", {std::nullopt, "z_min"}), 0);
+  EXPECT_THROW(model->stress_at("box", {std::nullopt, "solid"}), base::UserError);
+}
+
 // Middle of the top face of the cantilever of Nishiura2017 3.1: M c / I = 200 N 1.2 m 0.11 m / (0.25 m (0.22 m)^3 / 12)
 // = 119.0 kPa, as CalculiX finds on fine meshes; within 1 %. The elements below it have 0.83 of that.
 TEST(Stress, MiddleOfTheTopFace) {
   const auto model = fem::Model::create(MPI_COMM_SELF, statics(cantilever(72, 6, [](double) { return 200; })));
   fem_test::step(*model, 1);
-  const auto stress = model->stress_at("box", {1.2, 0, 0.11});
+  const auto stress = model->stress_at("box", {base::Vec3(1.2, 0, 0.11), ""});
   EXPECT_NEAR(fem::von_mises(stress), 119.0e3, 0.01 * 119.0e3);
   EXPECT_NEAR(stress[0], 119.0e3, 0.01 * 119.0e3);  // pulled on top
   EXPECT_NEAR(fem::principal(stress)[0], 119.0e3, 0.01 * 119.0e3);
