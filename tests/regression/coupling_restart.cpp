@@ -88,6 +88,9 @@ TEST(Restart, CoupledOnOneRank) {
   expect_restart_repeats("coupled", coupled_scene(), "4 ms", "0.0195", 0, {"loss_friction", "loss_viscous"});
 }
 TEST(Restart, CoupledOnThreeRanks) { expect_restart_repeats("coupled3", coupled_scene(), "4 ms", "0.0195", 3); }
+TEST(Restart, OverTheSeamOfAPeriodicBody) {
+  expect_restart_repeats("seam", seam_scene(), "1.5 ms", "0.0065", 0, {"loss_friction"});
+}
 
 TEST(Restart, ImplicitSteps) {
   const std::string newmark = "[fem]\nsolver = \"newmark\"\n[time]\nfem_step = \"2 ms\"\n";

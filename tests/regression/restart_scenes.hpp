@@ -246,4 +246,57 @@ inline std::string long_grains_scene() {
   return text.replace(text.find(end), end.size(), "duration = \"400 ms\"");
 }
 
+/// A grain slides over the seam of a slab that repeats itself along x: its skin goes on beyond the faces.
+inline std::string seam_scene() {
+  return R"(title = "seam"
+[grains]
+material = { young_modulus = "1 GPa", poisson_ratio = 0.2, density = 2600 }
+friction = 0.3
+restitution = 0.3
+[[grains.periodic]]
+axis = "x"
+lower = 0.0
+upper = 0.4
+[[grain]]
+position = [0.398, 0.02, 0.069996]
+radius = 0.02
+velocity = [0.4, 0.05, 0.0]
+[[body]]
+name = "slab"
+mesh = "SOURCE/meshes/box.geo"
+mesh_parameters = { length = 0.4, width = 0.2, height = 0.1, cells_x = 8, cells_y = 4, cells_z = 2 }
+element = "hex8_bbar"
+gravity = false
+skin = ["z_max"]
+[[body.material]]
+young_modulus = "1 GPa"
+poisson_ratio = 0.2
+density = 2000
+[[body.support]]
+group = "z_min"
+fix = ["x", "y", "z"]
+[[body.periodic]]
+first = "x_min"
+second = "x_max"
+[[stage]]
+name = "settle"
+duration = "4 ms"
+[[stage]]
+name = "slide"
+duration = "4 ms"
+measure = true
+[[probe]]
+name = "height"
+kind = "grain_position"
+grain = 0
+component = "z"
+[[result]]
+name = "height"
+probe = "height"
+[output]
+interval = "2 ms"
+probe_interval = "0.1 ms"
+)";
+}
+
 }  // namespace regression

@@ -67,6 +67,19 @@ INSTANTIATE_TEST_SUITE_P(Fem, StaticTip,
                                          Tip{"hex8_bbar", 48, 4, 92.4457e-6, direct},
                                          Tip{"hex8_bbar", 48, 4, 92.4457e-6, iterative}));
 
+// A material so soft that the tip leaves the body by more than ten of its lengths: not what small strains can mean.
+TEST(Statics, AbsurdDisplacementsAreRefused) {
+  auto beam = cantilever("hex8", 8, 2);
+  beam.materials[0].young_modulus = 1;
+  const auto model = fem::Model::create(MPI_COMM_SELF, statics(beam));
+  try {
+    fem_test::step(*model, 1);
+    FAIL() << "accepted";
+  } catch (const base::UserError& error) {
+    EXPECT_NE(std::string(error.what()).find("times its size"), std::string::npos) << error.what();
+  }
+}
+
 /// Downward displacement [m] at a point of the body in equilibrium.
 double sag(const fem::Model& model, const char* body, base::Vec3 point) {
   return -model.probe_point(body, point, Quantity::displacement).z;

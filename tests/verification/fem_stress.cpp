@@ -94,6 +94,32 @@ TEST(Stress, FootOfABlockUnderItsWeight) {
   EXPECT_THROW(model->stress_at("box", {std::nullopt, "solid"}), base::UserError);
 }
 
+// A Kelvin-Voigt bar that is stretched at a constant rate by Newmark steps that damp its waves: its stress is
+// E eps + 4/3 mu_D eps' (nu and bulk viscosity 0, sides held), and the support carries it over the area.
+TEST(Stress, ViscousPartIsSeen) {
+  constexpr double rate = 1e-3, viscosity = 3e10;
+  auto body = fem_test::box("hex8", {1, 1, 1, 2, 2, 2});
+  body.materials[0].law = "kelvin_voigt";
+  body.materials[0].poisson_ratio = 0;
+  body.materials[0].shear_viscosity = viscosity;
+  body.supports = {{"solid", {false, true, true}, ""}, {"x_min", {true, false, false}, ""}};
+  fem::PrescribedMotion pull;
+  pull.name = "pull";
+  pull.group = "x_max";
+  pull.along = {true, false, false};
+  pull.history = fem_test::history([](double t) { return rate * t; });
+  body.motions = {pull};
+  auto setup = statics(body);
+  setup.solver.kind = fem::Solver::newmark;
+  setup.solver.gamma = 0.9;
+  setup.solver.beta = 0.49;
+  const auto model = fem::Model::create(MPI_COMM_SELF, setup);
+  for (int k = 0; k < 100; ++k) fem_test::step(*model, 0.01);
+  const double expected = rate * (body.materials[0].young_modulus * 1 + 4.0 / 3.0 * viscosity);
+  EXPECT_NEAR(model->stress_at("box", {std::nullopt, "x_min"})[0], expected, 1e-6 * expected);
+  EXPECT_NEAR(-model->reaction("box", "x_min").x, expected, 1e-6 * expected);
+}
+
 // Middle of the top face of the cantilever of Nishiura2017 3.1: M c / I = 200 N 1.2 m 0.11 m / (0.25 m (0.22 m)^3 / 12)
 // = 119.0 kPa, as CalculiX finds on fine meshes; within 1 %. The elements below it have 0.83 of that.
 TEST(Stress, MiddleOfTheTopFace) {
