@@ -11,14 +11,14 @@ namespace {
 
 using namespace regression;
 
-// Three grains of 0.18 kg fall onto a slab on four feet at 1 m/s, off its nodes: one near the middle, two where they
-// cross the edges of faces as they slide.
+// Three grains of 0.18 kg strike a soft slab that is held at both ends, off its nodes, and slide as they bounce.
 std::string drop_scene(const std::string& element) {
   const fs::path file = scratch() / ("drop_" + element + ".toml");
   std::ofstream(file) << fmt::format(R"(title = "grains on a slab"
 
 [time]
 dem_step = "2 us"
+fem_step = "2 us"
 
 [grains]
 material = {{ young_modulus = "1 GPa", poisson_ratio = 0.2, density = "2700 kg/m3" }}
@@ -65,8 +65,9 @@ probe_interval = "0.1 ms"
   return file.string();
 }
 
-// Momentum passes to rounding; energy, seen from both sides, is kept. On plane parts with the force at the face's nodes
-// the two sides' works differ by the force times what the faces bend, and the ledger does not close.
+// In windows of one step of either side momentum and work pass to rounding, and the ledger closes with the error of the
+// steps (measured: 2e-6 to 3e-6 of what passes, a quarter of it with half the step). With the overlap taken on plane
+// parts and the motion and work at the face's nodes, the ledger would miss the force times what the faces bend.
 TEST(Skins, OfTheSecondOrderKeepMomentumAndEnergy) {
   for (const char* element : {"hex20", "hex20_reduced", "tet10"}) {
     const fs::path out = scratch() / element;
@@ -74,7 +75,12 @@ TEST(Skins, OfTheSecondOrderKeepMomentumAndEnergy) {
     ASSERT_EQ(finished.status, 0) << finished.output;
     const auto json = summary(out);
     EXPECT_LE(json["momentum_error"].get<double>(), 1e-12) << element;
-    EXPECT_LE(json["energy"]["relative_error"].get<double>(), 1e-3) << element;
+    const auto energy = [&](const char* name) { return json["energy"][name].get<double>(); };
+    const double passed = energy("interface_seen_by_bodies");
+    EXPECT_GT(passed, 0.1) << element;
+    EXPECT_LE(std::abs(energy("interface_seen_by_grains") + passed), 1e-12 * passed) << element;
+    EXPECT_LE(std::abs(energy("residual")), 1e-5 * passed) << element;
+    fmt::print("{}: {:.3g} J pass the skin, residual {:.2g} J\n", element, passed, energy("residual"));
   }
 }
 
