@@ -31,15 +31,20 @@ void broadcast(std::vector<int>& values, int root, MPI_Comm communicator) {
 }
 
 void broadcast(base::Skin& skin, int root, MPI_Comm communicator) {
-  int sizes[3] = {static_cast<int>(skin.body.size()), static_cast<int>(skin.nodes.size()),
-                  static_cast<int>(skin.facets.size())};
-  MPI_Bcast(sizes, 3, MPI_INT, root, communicator);
+  int sizes[5] = {static_cast<int>(skin.body.size()), static_cast<int>(skin.nodes.size()),
+                  static_cast<int>(skin.facets.size()), static_cast<int>(skin.faces.size()),
+                  static_cast<int>(skin.face_of.size())};
+  MPI_Bcast(sizes, 5, MPI_INT, root, communicator);
   skin.body.resize(static_cast<std::size_t>(sizes[0]));
   skin.nodes.resize(static_cast<std::size_t>(sizes[1]));
   skin.facets.resize(static_cast<std::size_t>(sizes[2]));
+  skin.faces.resize(static_cast<std::size_t>(sizes[3]));
+  skin.face_of.resize(static_cast<std::size_t>(sizes[4]));
   MPI_Bcast(skin.body.data(), sizes[0], MPI_CHAR, root, communicator);
   MPI_Bcast(skin.nodes.data(), 3 * sizes[1], MPI_DOUBLE, root, communicator);
   MPI_Bcast(skin.facets.data(), 4 * sizes[2], MPI_INT, root, communicator);
+  MPI_Bcast(skin.faces.data(), 8 * sizes[3], MPI_INT, root, communicator);
+  MPI_Bcast(skin.face_of.data(), sizes[4], MPI_INT, root, communicator);
 }
 
 std::size_t node_count(const std::vector<std::vector<int>>& nodes) {

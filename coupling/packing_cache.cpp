@@ -78,7 +78,7 @@ void add_packing(Hash& hash, const Packing& packing) {
 
 /// The same however the facets and nodes are numbered: the numbering may depend on the number of ranks.
 std::uint64_t surface_value(const base::Skin& skin) {
-  std::uint64_t sum = 0;
+  std::uint64_t sum = skin.faces.size();
   for (const auto& facet : skin.facets) {
     std::uint64_t corners = 0;
     for (const int node : facet) {

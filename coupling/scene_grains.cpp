@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.hpp"
 #include "coupling/scene_parts.hpp"
@@ -97,10 +98,27 @@ dem::Grain read_grain(Value& row, const Value& grains_table, const GrainsScene& 
       if (row.has(name)) fail(row.at(name), "a sphere has none", "remove it, or give a shape instead of the radius");
     grain.radius = row.at("radius").real();
   }
-  grain.position = row.at("position").vector();
   grain.velocity = row.at("velocity").vector();
   grain.angular_velocity = row.at("angular_velocity").vector();
   return grain;
+}
+
+/// Where the grains of a row lie: at its position, or on a grid from there, x first.
+std::vector<Vec3> read_places(const Value& row) {
+  const Vec3 first = row.at("position").vector(), number = row.at("repeat").vector();
+  const Vec3 spacing = row.at("spacing").vector();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(number[axis] >= 1 && number[axis] <= 1e6) || number[axis] != std::floor(number[axis]))
+      fail(row.at("repeat"), "is no number of grains", "give whole numbers from 1 on for x, y, z");
+    if ((number[axis] > 1) != (spacing[axis] != 0))
+      fail(row.at("repeat"), fmt::format("and spacing do not fit along {}", "xyz"[axis]),
+           "give a spacing where there is more than one grain, and 0 elsewhere");
+  }
+  std::vector<Vec3> places;
+  for (int k = 0; k < number.z; ++k)
+    for (int j = 0; j < number.y; ++j)
+      for (int i = 0; i < number.x; ++i) places.push_back(first + Vec3{i * spacing.x, j * spacing.y, k * spacing.z});
+  return places;
 }
 
 void read_packed_shapes(Value& table, const Value& grains_table, Packing& packing) {
@@ -296,8 +314,11 @@ void build_grains(Value& root, Scene& scene) {
   read_shapes(table, grains);
   for (auto& row : singles) {
     dem::Grain grain = read_grain(row, table, grains);
-    grain.id = static_cast<std::int64_t>(grains.list.size());
-    grains.list.push_back(grain);
+    for (const Vec3& place : read_places(row)) {
+      grain.position = place;
+      grain.id = static_cast<std::int64_t>(grains.list.size());
+      grains.list.push_back(grain);
+    }
   }
   require_unique(walls, "wall");
   for (auto& row : walls) grains.walls.push_back(read_wall(row, table, scene, grains));

@@ -136,8 +136,10 @@ const Table& grains_table() {
 const Table& grain_table() {
   static const Table table{
       "grain",
-      "one grain",
-      {base::vector("position", "m", "centre of mass"),
+      "one grain, or a grid of such",
+      {base::vector("position", "m", "centre of mass; of a grid: of its first grain"),
+       base::vector("repeat", "", "grains along x, y, z of a grid that starts at `position`").otherwise(Vec3{1, 1, 1}),
+       base::vector("spacing", "m", "of the grid along x, y, z").otherwise(Vec3{}),
        base::real("radius", "m", "of a sphere").above(0).optional("`shape` instead"),
        base::text("shape", "name of a [[grains.shape]]").optional("a sphere"),
        base::real("size", "m", "of a shape: smallest square hole that it passes")

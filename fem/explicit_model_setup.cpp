@@ -266,13 +266,13 @@ void ExplicitModel::make_loads() {
 
 namespace {
 
-struct SkinFacet {
-  std::array<int, 4> nodes;  // of the mesh; the last may be -1
-  Vec3 offset;               // [m] of its place from theirs
+struct SkinFace {
+  Facet nodes;  // of the mesh
+  Vec3 offset;  // [m] of its place from theirs
 };
 
-std::vector<SkinFacet> skin_facets(const Mesh& mesh, const Body& body) {
-  std::vector<SkinFacet> facets;
+std::vector<SkinFace> skin_faces(const Mesh& mesh, const Body& body) {
+  std::vector<SkinFace> faces;
   for (const auto& name : body.skin) {
     const Group& group = find_group(mesh, body, body.origin, "skin", name);
     base::require_user(
@@ -280,24 +280,35 @@ std::vector<SkinFacet> skin_facets(const Mesh& mesh, const Body& body) {
         fmt::format("{}skin = \"{}\" is not an outer surface of the body; a skin needs physical surfaces "
                     "with the body on one side",
                     message_head(body.origin, body.name), name));
-    for (const auto& facet : group.facets) {
-      for (const auto& part : plane_parts(facet)) facets.push_back({part, {}});
-    }
+    for (const auto& facet : group.facets) faces.push_back({facet, {}});
   }
-  // Beyond periodic faces the skin goes on by a facet: grains that cross there keep it under them.
-  for (const auto& faces : body.periodic) {
-    const Vec3 shift = shift_of(mesh, body, faces);
-    const std::size_t count = facets.size();
-    for (const auto& [name, way] : {std::pair{faces.first, shift}, std::pair{faces.second, -shift}}) {
-      const auto& seam = find_group(mesh, body, faces.origin, "periodic", name).nodes;  // rising
+  // Beyond periodic faces the skin goes on by a face: grains that cross there keep it under them.
+  for (const auto& pair : body.periodic) {
+    const Vec3 shift = shift_of(mesh, body, pair);
+    const std::size_t count = faces.size();
+    for (const auto& [name, way] : {std::pair{pair.first, shift}, std::pair{pair.second, -shift}}) {
+      const auto& seam = find_group(mesh, body, pair.origin, "periodic", name).nodes;  // rising
       for (std::size_t f = 0; f < count; ++f) {
-        const SkinFacet facet = facets[f];
-        if (std::ranges::any_of(facet.nodes, [&](int node) { return std::ranges::binary_search(seam, node); }))
-          facets.push_back({facet.nodes, facet.offset + way});
+        const SkinFace face = faces[f];
+        if (std::ranges::any_of(face.nodes, [&](int node) { return std::ranges::binary_search(seam, node); }))
+          faces.push_back({face.nodes, face.offset + way});
       }
     }
   }
-  return facets;
+  return faces;
+}
+
+/// Adds a face whose nodes have these numbers in the skin: a facet, or the parts of one.
+void add_face(const Facet& face, base::Skin& skin) {
+  const auto parts = plane_parts(face);
+  skin.facets.insert(skin.facets.end(), parts.begin(), parts.end());
+  if (!has_middles(face)) return;
+  skin.face_of.resize(skin.facets.size() - parts.size(), -1);
+  skin.face_of.resize(skin.facets.size(), static_cast<int>(skin.faces.size()));
+  if (corners_of(face) == 3)
+    skin.faces.push_back({face[0], face[1], face[2], face[4], face[5], face[6], -1, -1});
+  else
+    skin.faces.push_back(face);
 }
 
 }  // namespace
@@ -310,13 +321,14 @@ void ExplicitModel::make_skins() {
     base::Skin skin{body.name, {}, {}};
     Contact contact;
     std::map<int, std::vector<int>> numbers;  // unknown of the mesh: its nodes of the skin, one unless it is periodic
-    for (const auto& facet : skin_facets(mesh, body)) {
-      auto& numbered = skin.facets.emplace_back(std::array<int, 4>{-1, -1, -1, -1});
-      for (int a = 0; a < (facet.nodes[3] < 0 ? 3 : 4); ++a) {
-        const int node = facet.nodes[a];
-        const Vec3 place = mesh.nodes[node] + facet.offset;
+    for (const auto& face : skin_faces(mesh, body)) {
+      Facet numbered = no_facet;
+      const double near = 1e-3 * base::norm(mesh.nodes[face.nodes[1]] - mesh.nodes[face.nodes[0]]);
+      for (int a = 0; a < 8; ++a) {
+        const int node = face.nodes[a];
+        if (node < 0) continue;
+        const Vec3 place = mesh.nodes[node] + face.offset;
         auto& known = numbers[mesh.unknown_of(node)];
-        const double near = 1e-3 * base::norm(mesh.nodes[facet.nodes[(a + 1) % 3]] - mesh.nodes[facet.nodes[a % 3]]);
         const auto there =
             std::ranges::find_if(known, [&](int number) { return base::norm(skin.nodes[number] - place) <= near; });
         numbered[a] = there != known.end() ? *there : static_cast<int>(skin.nodes.size());
@@ -329,7 +341,9 @@ void ExplicitModel::make_skins() {
           contact.places.push_back(place);
         }
       }
+      add_face(numbered, skin);
     }
+    if (!skin.faces.empty()) skin.face_of.resize(skin.facets.size(), -1);
     contact.given.resize(contact.nodes.size());
     contact.used.resize(contact.nodes.size());
     skins_.push_back(std::move(skin));

@@ -2,54 +2,9 @@
 
 #include <cmath>
 
+#include "base/face.hpp"
+
 namespace fem {
-namespace {
-
-struct ShapeValue {
-  double value, along_r, along_s;
-};
-
-/// Shape functions of triangles with three or six nodes at barycentric (1 - r - s, r, s).
-std::vector<ShapeValue> triangle_shapes(double r, double s, bool middles) {
-  const double l[3] = {1 - r - s, r, s}, lr[3] = {-1, 1, 0}, ls[3] = {-1, 0, 1};
-  std::vector<ShapeValue> shapes;
-  for (int a = 0; a < 3; ++a) {
-    if (middles) {
-      shapes.push_back({l[a] * (2 * l[a] - 1), (4 * l[a] - 1) * lr[a], (4 * l[a] - 1) * ls[a]});
-    } else {
-      shapes.push_back({l[a], lr[a], ls[a]});
-    }
-  }
-  for (int a = 0; a < 3 && middles; ++a) {
-    const int b = (a + 1) % 3;
-    shapes.push_back({4 * l[a] * l[b], 4 * (l[a] * lr[b] + l[b] * lr[a]), 4 * (l[a] * ls[b] + l[b] * ls[a])});
-  }
-  return shapes;
-}
-
-/// Shape functions of quadrilaterals with four or eight nodes at (r, s) in [-1, 1]^2.
-std::vector<ShapeValue> quadrilateral_shapes(double r, double s, bool middles) {
-  constexpr double at_r[8] = {-1, 1, 1, -1, 0, 1, 0, -1}, at_s[8] = {-1, -1, 1, 1, -1, 0, 1, 0};
-  std::vector<ShapeValue> shapes;
-  for (int a = 0; a < (middles ? 8 : 4); ++a) {
-    const bool flat_r = at_r[a] == 0, flat_s = at_s[a] == 0;
-    const double f = flat_r ? 1 - r * r : 1 + at_r[a] * r, df = flat_r ? -2 * r : at_r[a];
-    const double h = flat_s ? 1 - s * s : 1 + at_s[a] * s, dh = flat_s ? -2 * s : at_s[a];
-    if (flat_r || flat_s) {
-      shapes.push_back({0.5 * f * h, 0.5 * df * h, 0.5 * f * dh});
-    } else if (middles) {
-      const double last = at_r[a] * r + at_s[a] * s - 1;
-      shapes.push_back(
-          {0.25 * f * h * last, 0.25 * h * (df * last + f * at_r[a]), 0.25 * f * (dh * last + h * at_s[a])});
-    } else {
-      shapes.push_back({0.25 * f * h, 0.25 * df * h, 0.25 * f * dh});
-    }
-  }
-  return shapes;
-}
-
-}  // namespace
-
 std::vector<FaceNode> integrate(const Mesh& mesh, const Facet& facet) {
   constexpr double at[3] = {-0.77459666924148337704, 0, 0.77459666924148337704};
   constexpr double share[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
@@ -66,19 +21,19 @@ std::vector<FaceNode> integrate(const Mesh& mesh, const Facet& facet) {
       s = 0.5 * (1 + s) * (1 - r);
       weight *= 0.25 * (1 - r);
     }
-    const auto shapes = corners == 3 ? triangle_shapes(r, s, middles) : quadrilateral_shapes(r, s, middles);
+    const auto shapes = base::face_shapes(static_cast<int>(nodes.size()), r, s);
     Vec3 along_r, along_s;
     for (std::size_t a = 0; a < nodes.size(); ++a) {
-      along_r += mesh.nodes[nodes[a].node] * shapes[a].along_r;
-      along_s += mesh.nodes[nodes[a].node] * shapes[a].along_s;
+      along_r += mesh.nodes[nodes[a].node] * shapes.along_r[a];
+      along_s += mesh.nodes[nodes[a].node] * shapes.along_s[a];
     }
     const Vec3 normal = base::cross(along_r, along_s) * weight;
     const double here = base::norm(normal);
     area += here;
     for (std::size_t a = 0; a < nodes.size(); ++a) {
-      nodes[a].area += here * shapes[a].value;
-      nodes[a].normal += normal * shapes[a].value;
-      nodes[a].lumped += here * shapes[a].value * shapes[a].value;
+      nodes[a].area += here * shapes.value[a];
+      nodes[a].normal += normal * shapes.value[a];
+      nodes[a].lumped += here * shapes.value[a] * shapes.value[a];
     }
   }
   for (const auto& node : nodes) squares += node.lumped;

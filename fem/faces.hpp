@@ -17,7 +17,7 @@ struct FaceNode {
 std::vector<FaceNode> integrate(const Mesh&, const Facet&);
 
 /// Triangles and quadrilaterals ([3] = -1 for a triangle) through the nodes of a facet: itself, or with middles four
-/// triangles, or a quadrilateral of the middles and four triangles.
+/// triangles, or a quadrilateral of the middles and four triangles. Grains look for the facet by them.
 std::vector<std::array<int, 4>> plane_parts(const Facet&);
 
 }  // namespace fem

@@ -55,6 +55,16 @@ struct Facet {
   int wall = 0;
   int live = 1;
 };
+/// A face of the second order (base/face.hpp); node[6] = -1: triangle.
+struct Face {
+  int node[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
+  TRACKBED_HD int nodes() const { return node[6] < 0 ? 6 : 8; }
+};
+/// What a facet is of such a face; beside the facets, only where a mesh has such faces.
+struct FacePart {
+  int face = -1;                     // -1: of none
+  int corner[4] = {-1, -1, -1, -1};  // the facet's nodes, by their numbers in the face
+};
 struct WallRow {
   Vec3 plane_normal{};
   int material = 0;
@@ -69,16 +79,16 @@ struct WallState {
   Vec3 force{};            // [N] on the grain
   double overlap = 0;      // [m]
   Vec3 normal{};           // towards the grain
-  double weights[4] = {};  // of the facet's nodes
+  double weights[4] = {};  // of the facet's nodes; of a part of a face as in WallGeometry::nearest()
 };
 struct WallSum {
   Vec3 force{};        // [N]
   double rolling = 0;  // [N m]
   Vec3 torque{};       // [N m]
 };
-/// Sums since the last flush.
+/// Sums since the last flush; where a mesh has faces of the second order a candidate has two such rows.
 struct NodalImpulse {
-  Vec3 node[4];  // [N s] to the facet's nodes
+  Vec3 node[4];  // [N s] to the nodes of the facet, or of the face that it is a part of
 };
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM

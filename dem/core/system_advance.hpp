@@ -325,6 +325,7 @@ WallPass<Law> System::wall_pass(const kernels::Interval& time, double ended) {
           .sum = pointer(near_walls_.sum),
           .impulse = pointer(near_walls_.impulse),
           .nodal = pointer(near_walls_.nodal),
+          .nodal_rows = walls_.nodal_rows(),
           .ledger = pointer(near_walls_.ledger),
           .unstable = pointer(trouble_),
           .maximum_overlap = setup_.maximum_overlap,

@@ -192,6 +192,36 @@ inline int System::add_plane(const Plane& plane, int material) {
   return walls_.add(row, {plane.point}, {Facet{.node = {0, -1, -1, -1}}});
 }
 
+/// The faces of the second order of a mesh, and what its facets are of them.
+inline std::pair<std::vector<Face>, std::vector<FacePart>> faces_of(const base::Skin& skin) {
+  std::vector<Face> faces(skin.faces.size());
+  std::vector<FacePart> parts(skin.face_of.size());
+  const std::string head = "dem: mesh " + skin.body;
+  base::require_user(parts.empty() || parts.size() == skin.facets.size(),
+                     head + " does not say it of every facet what it is a part of");
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (int k = 0; k < 8; ++k) {
+      const int node = skin.faces[f][k];
+      base::require_user((node >= 0 || k >= 6) && node < static_cast<int>(skin.nodes.size()),
+                         head + " has a face with a node that does not exist");
+      faces[f].node[k] = node;
+    }
+  for (std::size_t f = 0; f < parts.size(); ++f) {
+    parts[f].face = skin.face_of[f];
+    if (parts[f].face < 0) continue;
+    base::require_user(parts[f].face < static_cast<int>(faces.size()),
+                       head + " has a facet of a face that does not exist");
+    const Face& face = faces[parts[f].face];
+    for (int k = 0; k < 4 && skin.facets[f][k] >= 0; ++k) {
+      const int* end = face.node + face.nodes();
+      const int* found = std::find(face.node, end, skin.facets[f][k]);
+      base::require_user(found != end, head + " has a facet with a node that its face has not");
+      parts[f].corner[k] = static_cast<int>(found - face.node);
+    }
+  }
+  return {faces, parts};
+}
+
 inline int System::add_mesh(const base::Skin& skin, int material, bool two_sided) {
   std::vector<Facet> facets;
   for (const auto& nodes : skin.facets) {
@@ -201,7 +231,9 @@ inline int System::add_mesh(const base::Skin& skin, int material, bool two_sided
     facets.push_back({.node = {nodes[0], nodes[1], nodes[2], nodes[3]}});
   }
   list_is_stale_ = forces_are_stale_ = true;
-  return walls_.add({.material = material, .two_sided = two_sided}, skin.nodes, std::move(facets));
+  auto [faces, parts] = faces_of(skin);
+  return walls_.add({.material = material, .two_sided = two_sided}, skin.nodes, std::move(facets), std::move(faces),
+                    std::move(parts));
 }
 
 inline void System::remove_wall(int wall) {

@@ -42,7 +42,7 @@ struct FacetTable {
 inline FacetTable tabulate_facets(const Walls& walls, const CellGrid& grid, double reach) {
   FacetTable table;
   const int n = static_cast<int>(walls.facets.size());
-  const FacetBuckets buckets{grid, pointer(walls.facets), pointer(walls.position), reach};
+  const FacetBuckets buckets{grid, walls.geometry(), reach};
   Vector<int> start(n);
   launch(n, CountBuckets{buckets, pointer(start)});
   const int entries = counts_to_starts(start);
@@ -56,11 +56,12 @@ inline FacetTable tabulate_facets(const Walls& walls, const CellGrid& grid, doub
 }
 
 inline void link_nodes(const Walls& walls, WallColumns& list) {
-  const int nodes = static_cast<int>(walls.position.size()), entries = 4 * list.size();
+  const int nodes = static_cast<int>(walls.position.size()), corners = 4 * walls.nodal_rows();
+  const int entries = corners * list.size();
   Vector<int> node(entries);
   list.node_entry.resize(entries);
-  launch(entries, CandidateNode{pointer(list.candidate), pointer(walls.facets), pointer(walls.rows), nodes,
-                                pointer(node), pointer(list.node_entry)});
+  launch(entries, CandidateNode{pointer(list.candidate), walls.geometry(), corners, nodes, pointer(node),
+                                pointer(list.node_entry)});
   thrust::stable_sort_by_key(policy(), node.begin(), node.end(), list.node_entry.begin());
   bucket_starts(node, nodes, list.node_start);
 }
@@ -116,7 +117,7 @@ inline WallColumns build_walls(const Grains& grains, const Walls& walls, const C
     launch(list.near_grains(), NameGrains{pointer(list.grain), pointer(list.start), pointer(list.grain_of)});
   }
   if (walls.nodal()) {
-    list.nodal.resize(candidates);
+    list.nodal.resize(static_cast<std::size_t>(candidates) * walls.nodal_rows());
     link_nodes(walls, list);
   }
   return list;

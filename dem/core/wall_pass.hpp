@@ -1,13 +1,15 @@
 #pragma once
 // Forces between grains and walls: one call per grain that has walls near it. A plane and a facet are treated alike, so
 // a planar wall and the same wall as a mesh give the same forces (Double Hierarchy, Irazabal2017 ch. 4: see
-// kernels/wall_geometry.hpp). Arm of the force: from the grain's centre to the contact point on the wall.
+// kernels/wall_geometry.hpp). Arm of the force: from the grain's centre to the contact point on the wall. A facet that
+// is a part of a face of the second order leads to that face (kernels/face_geometry.hpp); several parts of one face
+// lead to the same point, which counts once, with the first of them.
 //
 // Tangential history lives with the (grain, facet) candidate. A grain that slides or rolls from one facet to the next
 // hands it on: a new contact takes the history of a contact with the same wall that ended in this step, if the normals
 // differ by less than 60 degrees.
 #include "dem/core/contact_pass.hpp"
-#include "dem/kernels/wall_geometry.hpp"
+#include "dem/kernels/face_geometry.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -25,8 +27,26 @@ struct WallGeometry {
   const Facet* facet;
   const WallRow* wall;
   const Vec3* position;  // of the nodes
+  const FacePart* part;  // per facet; null: no face of the second order
+  const Face* face;
 
-  /// Nearest point of a facet, if nearer than `reach` and on the side that the wall works on.
+  TRACKBED_HD bool is_part(int f) const { return part && part[f].face >= 0; }
+  TRACKBED_HD int places(const Face& on, Vec3* nodes) const {
+    const int number = on.nodes();
+    for (int k = 0; k < number; ++k) nodes[k] = position[on.node[k]];
+    return number;
+  }
+  /// How far a facet's face can be from it [m].
+  TRACKBED_HD double margin(int f) const {
+    if (!is_part(f)) return 0;
+    Vec3 nodes[8];
+    const int number = places(face[part[f].face], nodes);
+    return kernels::departure(nodes, number);
+  }
+
+  /// Nearest point of a facet, if nearer than `reach` and on the side that the wall works on. Where the facet is a part
+  /// of a face: of the face, and the weights are its coordinates r, s there and the corners (their numbers in the face)
+  /// between which the point lies, -1 for none.
   TRACKBED_HD kernels::FacetContact nearest(int f, const Vec3& centre, double reach) const {
     const Facet& t = facet[f];
     const WallRow& w = wall[t.wall];
@@ -42,6 +62,7 @@ struct WallGeometry {
     const int count = t.node[3] < 0 ? 3 : 4;
     Vec3 corners[4];
     for (int k = 0; k < count; ++k) corners[k] = position[t.node[k]];
+    if (is_part(f)) return nearest_on_face(part[f], corners, count, centre, reach, w.two_sided);
     contact = kernels::closest_on_facet(corners, count, centre, reach);
     if (contact.feature != kernels::Feature::none && !w.two_sided) {
       const Vec3 outward =
@@ -50,6 +71,50 @@ struct WallGeometry {
     }
     return contact;
   }
+
+  TRACKBED_HD kernels::FacetContact nearest_on_face(const FacePart& of, const Vec3* corners, int count,
+                                                    const Vec3& centre, double reach, int two_sided) const {
+    Vec3 nodes[8];
+    const int number = places(face[of.face], nodes);
+    auto contact = kernels::closest_on_facet(corners, count, centre, reach + kernels::departure(nodes, number));
+    if (contact.feature == kernels::Feature::none) return contact;
+    double r = 0, s = 0;
+    for (int k = 0; k < count; ++k) {
+      double corner_r, corner_s;
+      kernels::coordinates_of(number, of.corner[k], corner_r, corner_s);
+      r += contact.weights[k] * corner_r;
+      s += contact.weights[k] * corner_s;
+    }
+    const auto there = kernels::closest_on_face(nodes, number, centre, reach, r, s);
+    contact.feature = there.feature;
+    contact.point = there.point;
+    contact.weights[0] = there.r;
+    contact.weights[1] = there.s;
+    contact.weights[2] = there.from;
+    contact.weights[3] = there.to;
+    if (!two_sided && dot(centre - there.point, there.outward) < 0) contact.feature = kernels::Feature::none;
+    return contact;
+  }
+};
+
+/// The nodes that share a contact on a facet, and their shares: shape functions of the facet or of its face.
+struct Carriers {
+  const int* node;
+  const double* share;
+  int number = 4;
+  double of_face[8];
+
+  TRACKBED_HD Carriers(const WallGeometry& geometry, int f, const double* weights)
+      : node(geometry.facet[f].node), share(weights) {
+    if (!geometry.is_part(f)) return;
+    const Face& face = geometry.face[geometry.part[f].face];
+    const base::FaceShapes shapes = base::face_shapes(face.nodes(), weights[0], weights[1]);
+    for (int k = 0; k < 8; ++k) of_face[k] = shapes.value[k];
+    node = face.node;
+    share = of_face;
+    number = face.nodes();
+  }
+  Carriers(const Carriers&) = delete;
 };
 
 template <class Law>
@@ -70,6 +135,7 @@ struct WallPass {
   WallSum* sum;
   Vec3* impulse;        // [N s] received by the grain, since the last flush
   NodalImpulse* nodal;  // null: no mesh is coupled
+  int nodal_rows;       // per candidate
   WallLedger* ledger;   // null: not tracked
   int* unstable;
   double maximum_overlap;
@@ -133,12 +199,45 @@ struct WallPass {
         *unstable = too_many_wall_contacts;
         break;
       }
+      if (geometry.part && known(candidate[c], p.position - contact.point, found)) continue;
       found.candidate[found.number] = c;
       found.vector[found.number] = p.position - contact.point;
       for (int k = 0; k < 4; ++k) found.weights[found.number][k] = contact.weights[k];
       ++found.number;
     }
     kernels::distance_hierarchy(found.vector, found.number, found.keep);
+    if (geometry.part) drop_common_sides(found);
+  }
+
+  /// True when another part of the same face has led to this point.
+  TRACKBED_HD bool known(int f, const Vec3& vector, const Found& found) const {
+    const int on = geometry.part[f].face;
+    for (int m = 0; m < found.number && on >= 0; ++m)
+      if (geometry.part[candidate[found.candidate[m]]].face == on &&
+          norm2(found.vector[m] - vector) <= 1e-12 * norm2(vector))
+        return true;
+    return false;
+  }
+
+  /// A point on the side of a face is no contact where the face beyond the side has a nearer one.
+  TRACKBED_HD void drop_common_sides(Found& found) const {
+    for (int m = 0; m < found.number; ++m) {
+      const FacePart& part = geometry.part[candidate[found.candidate[m]]];
+      if (part.face < 0 || found.weights[m][2] < 0) continue;
+      const Face& face = geometry.face[part.face];
+      const int from = face.node[static_cast<int>(found.weights[m][2])];
+      const int to = face.node[static_cast<int>(found.weights[m][3])];
+      for (int n = 0; n < found.number && found.keep[m]; ++n) {
+        const int other = geometry.part[candidate[found.candidate[n]]].face;
+        if (other < 0 || other == part.face || norm2(found.vector[n]) >= norm2(found.vector[m])) continue;
+        bool has_from = false, has_to = false;
+        for (const int node : geometry.face[other].node) {
+          has_from = has_from || node == from;
+          has_to = has_to || node == to;
+        }
+        if (has_from && has_to) found.keep[m] = false;
+      }
+    }
   }
 
   /// Contact m is new: the history of a contact with the same wall that has just ended becomes its own.
@@ -171,6 +270,7 @@ struct WallPass {
     const Place p = place[g];
     const Facet& facet = geometry.facet[candidate[c]];
     const WallRow& wall = geometry.wall[facet.wall];
+    const Carriers carriers(geometry, candidate[c], weights);
     const double length = norm(vector);
     // A plane is also touched from behind: there the vector points backwards and the overlap exceeds the radius.
     const bool plane = facet.node[1] < 0;
@@ -195,13 +295,16 @@ struct WallPass {
     WallState& s = state[c];
     Vec3 wall_step;   // displacement of the contact point's material with the wall
     double work = 0;  // of the wall on the grain, with the force before
-    if (wall.moves)
-      for (int k = 0; k < 4 && facet.node[k] >= 0; ++k) {
-        const Vec3 step = dt > 0 ? node_displacement[facet.node[k]] : Vec3{};
-        touch.velocity -= weights[k] * node_velocity[facet.node[k]];
-        wall_step += weights[k] * step;
-        work += s.weights[k] * dot(s.force, step);
+    if (wall.moves) {
+      const Carriers before(geometry, candidate[c], s.weights);
+      for (int k = 0; k < carriers.number && carriers.node[k] >= 0; ++k) {
+        const int node = carriers.node[k];
+        const Vec3 step = dt > 0 ? node_displacement[node] : Vec3{};
+        touch.velocity -= carriers.share[k] * node_velocity[node];
+        wall_step += carriers.share[k] * step;
+        work += before.share[k] * dot(s.force, step);
       }
+    }
 
     const auto& material = parameters[grain_material[g] * materials + wall.material];
     double local[maximum_numbers] = {};
@@ -226,7 +329,8 @@ struct WallPass {
 
     impulse[c] += dt * contact.force;
     if (nodal && wall.nodal)
-      for (int k = 0; k < 4; ++k) nodal[c].node[k] -= (weights[k] * dt) * contact.force;
+      for (int k = 0; k < carriers.number; ++k)
+        nodal[nodal_rows * c + k / 4].node[k % 4] -= (carriers.share[k] * dt) * contact.force;
     if (ledger) {
       WallLedger& l = ledger[c];
       l.loss_friction += contact.loss_friction;
@@ -250,10 +354,11 @@ struct WallPass {
       if (couples) l.loss_rolling += local[history_stride - 1];
       l.elastic_normal = 0;
       l.elastic_shear = 0;
-      const Facet& facet = geometry.facet[candidate[c]];
-      if (geometry.wall[facet.wall].moves && dt > 0)
-        for (int k = 0; k < 4 && facet.node[k] >= 0; ++k)
-          l.work += 0.5 * s.weights[k] * dot(s.force, node_displacement[facet.node[k]]);
+      if (geometry.wall[geometry.facet[candidate[c]].wall].moves && dt > 0) {
+        const Carriers before(geometry, candidate[c], s.weights);
+        for (int k = 0; k < before.number && before.node[k] >= 0; ++k)
+          l.work += 0.5 * before.share[k] * dot(s.force, node_displacement[before.node[k]]);
+      }
     }
     s = {};
     for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = 0;
@@ -262,7 +367,7 @@ struct WallPass {
 
 /// Sums, per node, what the candidates' facets received.
 struct GatherNodes {
-  const int *start, *entry;  // node -> 4 candidate + corner
+  const int *start, *entry;  // node -> 4 row + corner
   const NodalImpulse* nodal;
   Vec3* impulse;
   TRACKBED_HD void operator()(int node) const {

@@ -9,8 +9,7 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 
 struct FacetBuckets {
   CellGrid grid;
-  const Facet* facet;
-  const Vec3* position;
+  WallGeometry geometry;
   double reach;  // [m] largest radius + skin
 
   struct Range {
@@ -19,16 +18,18 @@ struct FacetBuckets {
   };
   TRACKBED_HD Range range(int f) const {
     Range r;
-    const Facet& t = facet[f];
+    const Facet& t = geometry.facet[f];
     if (!t.live || t.node[1] < 0) return r;
+    const Vec3* position = geometry.position;
+    const double far = reach + geometry.margin(f);
     for (int axis = 0; axis < 3; ++axis) {
       double low = position[t.node[0]][axis], high = low;
       for (int k = 1; k < 4 && t.node[k] >= 0; ++k) {
         low = std::fmin(low, position[t.node[k]][axis]);
         high = std::fmax(high, position[t.node[k]][axis]);
       }
-      r.first[axis] = grid.cell(low - reach);
-      const long long number = grid.cell(high + reach) - r.first[axis] + 1;
+      r.first[axis] = grid.cell(low - far);
+      const long long number = grid.cell(high + far) - r.first[axis] + 1;
       r.number[axis] = number < grid.count[axis] ? static_cast<int>(number) : grid.count[axis];
     }
     return r;
@@ -86,7 +87,8 @@ struct WallSearch {
     const int count = t.node[3] < 0 ? 3 : 4;
     Vec3 corners[4];
     for (int k = 0; k < count; ++k) corners[k] = geometry.position[t.node[k]];
-    return kernels::closest_on_facet(corners, count, p.position, p.radius + skin).feature != kernels::Feature::none;
+    const double reach = p.radius + skin + geometry.margin(f);
+    return kernels::closest_on_facet(corners, count, p.position, reach).feature != kernels::Feature::none;
   }
 };
 
@@ -154,16 +156,23 @@ struct FillWalls {
   }
 };
 
-/// Node of corner k % 4 of candidate k / 4 when its wall keeps nodal impulses, else a number past all nodes.
+/// Node of corner k % corners of candidate k / corners (of its face, where it is a part of one) when its wall keeps
+/// nodal impulses, else a number past all nodes.
 struct CandidateNode {
   const int* candidate;
-  const Facet* facet;
-  const WallRow* wall;
+  WallGeometry geometry;
+  int corners;
   int past;
   int *node, *entry;
   TRACKBED_HD void operator()(int k) const {
-    const Facet& f = facet[candidate[k / 4]];
-    node[k] = wall[f.wall].nodal && f.node[k % 4] >= 0 ? f.node[k % 4] : past;
+    const int f = candidate[k / corners], corner = k % corners;
+    const Facet& facet = geometry.facet[f];
+    int at = -1;
+    if (geometry.is_part(f))
+      at = geometry.face[geometry.part[f].face].node[corner];
+    else if (corner < 4)
+      at = facet.node[corner];
+    node[k] = geometry.wall[facet.wall].nodal && at >= 0 ? at : past;
     entry[k] = k;
   }
 };

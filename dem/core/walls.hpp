@@ -23,7 +23,8 @@ struct HostWall {
   Vec3 moved{};                         // [m] by rigid motions so far
   std::vector<Vec3> from{}, to{};       // [m] of the present target motion, on the host
   std::vector<Vec3> listed{};           // [m] at the last list build
-  double shift_from = 0, shift_to = 0;  // [m] largest node displacement since the list build, at the ends of the way
+  std::vector<Face> faces{};            // of the second order, by nodes of this wall
+  double shift_from = 0, shift_to = 0;  // [m] farthest that it has come since the list build, at the ends of the way
   std::optional<MovingBody> body{};     // of WallMotion::body
   Vec3 impulse{};                       // [N s] on grains in the present advance(), flushed part
 };
@@ -34,6 +35,18 @@ inline double largest_distance(const std::vector<Vec3>& a, const std::vector<Vec
   return std::sqrt(squared);
 }
 
+/// Bound of what a wall has moved between two states: its nodes, and what its faces have gained in distance from their
+/// parts. Convex along straight ways of the nodes.
+inline double largest_shift(const HostWall& wall, const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double bent = 0;
+  for (const Face& face : wall.faces) {
+    Vec3 moved[8];
+    for (int k = 0; k < face.nodes(); ++k) moved[k] = a[face.node[k]] - b[face.node[k]];
+    bent = std::max(bent, kernels::departure(moved, face.nodes()));
+  }
+  return largest_distance(a, b) + bent;
+}
+
 class Walls {
  public:
   std::vector<HostWall> walls;
@@ -41,6 +54,8 @@ class Walls {
   bool rows_changed = false;
   Vector<WallRow> rows;
   Vector<Facet> facets;
+  Vector<FacePart> parts;  // per facet; empty without faces of the second order
+  Vector<Face> faces;
   Vector<int> planes;  // facets that are planes
   Vector<Vec3> position;
   Vector<Vec3> velocity, displacement;                                  // empty while nothing has moved
@@ -52,9 +67,14 @@ class Walls {
   bool nodal() const {
     return std::any_of(rows_host.begin(), rows_host.end(), [](const WallRow& row) { return row.nodal; });
   }
-  WallGeometry geometry() const { return {pointer(facets), pointer(rows), pointer(position)}; }
+  int nodal_rows() const { return faces.empty() ? 1 : 2; }
+  WallGeometry geometry() const {
+    return {pointer(facets), pointer(rows), pointer(position), pointer(parts), pointer(faces)};
+  }
 
-  int add(const WallRow& row, const std::vector<Vec3>& nodes, std::vector<Facet> mesh) {
+  /// `second_order`, `made_of`: the mesh's faces of the second order and which facet is what of them, or nothing.
+  int add(const WallRow& row, const std::vector<Vec3>& nodes, std::vector<Facet> mesh,
+          std::vector<Face> second_order = {}, std::vector<FacePart> made_of = {}) {
     const int number = static_cast<int>(walls.size());
     HostWall wall{.first_node = static_cast<int>(position.size()),
                   .nodes = static_cast<int>(nodes.size()),
@@ -68,6 +88,8 @@ class Walls {
     if (mesh.size() == 1 && mesh[0].node[1] < 0) append(planes, std::vector<int>{wall.first_facet});
     append(position, nodes);
     append(facets, mesh);
+    wall.faces = second_order;
+    add_faces(wall, second_order, made_of);
     walls.push_back(wall);
     rows_host.push_back(row);
     rows_changed = true;
@@ -149,8 +171,8 @@ class Walls {
       w.rigid_shift = {};
     }
     w.to.assign(positions.begin(), positions.end());
-    w.shift_from = largest_distance(w.from, w.listed);
-    w.shift_to = largest_distance(w.to, w.listed);
+    w.shift_from = largest_shift(w, w.from, w.listed);
+    w.shift_to = largest_shift(w, w.to, w.listed);
     w.motion = WallMotion::target;
     w.fresh_target = true;
     const bool first = !rows_host[wall].nodal;
@@ -221,8 +243,8 @@ class Walls {
       } else {
         for (std::size_t k = 0; k < w.listed.size(); ++k) w.listed[k] = w.from[k] + share * (w.to[k] - w.from[k]);
       }
-      w.shift_from = largest_distance(w.from, w.listed);
-      w.shift_to = largest_distance(w.to, w.listed);
+      w.shift_from = largest_shift(w, w.from, w.listed);
+      w.shift_to = largest_shift(w, w.to, w.listed);
     }
   }
 
@@ -269,7 +291,8 @@ class Walls {
   }
 
   std::size_t bytes() const {
-    std::size_t total = bytes_of(rows) + bytes_of(facets) + bytes_of(planes) + bytes_of(body_offset);
+    std::size_t total = bytes_of(rows) + bytes_of(facets) + bytes_of(parts) + bytes_of(faces) + bytes_of(planes) +
+                        bytes_of(body_offset);
     for (const auto* v : {&position, &velocity, &displacement, &from_position, &from_velocity, &to_position,
                           &to_velocity, &node_impulse})
       total += bytes_of(*v);
@@ -277,6 +300,18 @@ class Walls {
   }
 
  private:
+  void add_faces(const HostWall& wall, std::vector<Face>& second_order, std::vector<FacePart>& made_of) {
+    if (faces.empty() && second_order.empty()) return;
+    made_of.resize(wall.facets);
+    for (FacePart& part : made_of)
+      if (part.face >= 0) part.face += static_cast<int>(faces.size());
+    for (Face& face : second_order)
+      for (int& node : face.node)
+        if (node >= 0) node += wall.first_node;
+    parts.resize(wall.first_facet, FacePart{});
+    append(parts, made_of);
+    append(faces, second_order);
+  }
   template <class Row, class Walk>
   static void walk_row(Row& row, Walk& walk, const std::string& name) {
     walk.numbers(name, row.moves, row.interface, row.body, row.nodal);

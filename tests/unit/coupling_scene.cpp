@@ -31,6 +31,26 @@ TEST_F(SceneFile, OneGrainWithDefaults) {
   EXPECT_EQ(scene.packing_hash, "");
 }
 
+TEST_F(SceneFile, GrainsOnAGrid) {
+  const auto grid = [](const std::string& rest) { return grains + one_grain + rest + stage; };
+  const auto list = read(grid("repeat = [3.0, 1.0, 2.0]\nspacing = [0.5, 0.0, 0.25]\n")).grains->list;
+  ASSERT_EQ(list.size(), 6u);
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_EQ(list[k].id, k);
+    EXPECT_EQ(list[k].position.x, 0.5 * (k % 3));
+    EXPECT_EQ(list[k].position.y, 0);
+    EXPECT_EQ(list[k].position.z, 1 + 0.25 * (k / 3));
+    EXPECT_EQ(list[k].radius, 0.02);
+  }
+  const std::string head = "a.toml:8: grain.repeat = ";
+  EXPECT_EQ(error_of(grid("repeat = [2.5, 1.0, 1.0]\nspacing = [0.5, 0.0, 0.0]\n")),
+            head + "[2.5, 1.0, 1.0]; is no number of grains; give whole numbers from 1 on for x, y, z");
+  EXPECT_EQ(error_of(grid("repeat = [2.0, 1.0, 3.0]\nspacing = [0.5, 0.0, 0.0]\n")),
+            head +
+                "[2.0, 1.0, 3.0]; and spacing do not fit along z; give a spacing where there is more than one grain, "
+                "and 0 elsewhere");
+}
+
 TEST_F(SceneFile, SkinsAndWallsMeetGrainsAsGrainsDoUnlessToldOtherwise) {
   const Scene scene =
       read(grains + one_grain + stage + body + "[body.contact]\nfriction = 0.3\n" +
