@@ -13,6 +13,7 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "coupling/bonding.hpp"
+#include "coupling/coupled_step.hpp"
 #include "coupling/model_checks.hpp"
 #include "coupling/packing_cache.hpp"
 #include "coupling/packing_region.hpp"
@@ -239,6 +240,29 @@ Steps choose_steps(const Setup& setup, const std::optional<GrainEstimate>& estim
   return steps;
 }
 
+/// Linear springs are known before they touch: one at the lightest node of every skin.
+std::string coupled_limit_text(const Setup& setup, const Window& window) {
+  std::string text;
+  for (std::size_t s = 0; s < setup.skins.size(); ++s) {
+    const auto& skin = setup.skins[s];
+    const auto& part = *setup.scene.grains;
+    const auto& pair = part.interactions[static_cast<std::size_t>(part.body_material.at(skin.body))];
+    if (!(pair.normal_stiffness > 0)) {
+      text += fmt::format("  coupled limit at {}: from the contacts, as they press\n", skin.body);
+      continue;
+    }
+    const auto& mobility = setup.exchange->mobility(s);
+    const double lightest = *std::max_element(mobility.begin(), mobility.end());
+    const double bodies = setup.scene.is_explicit() ? 2 / setup.fem_limit.limit : 0;
+    const SkinContacts contacts{
+        .node = pair.normal_stiffness * lightest, .body = bodies * bodies, .implicit_body = !setup.scene.is_explicit()};
+    text += fmt::format(
+        "  coupled limit at {}: window of at most {:.4g} s with one contact of {:.4g} N/m at a node of {:.4g} kg\n", skin.body,
+        longest_window(window, setup.scene.coupling, contacts), pair.normal_stiffness, 1 / lightest);
+  }
+  return text;
+}
+
 /// Steps of implicit bodies: their cost depends on factors and multigrid, so none is promised.
 std::string implicit_cost_text(const Setup& setup, const std::optional<double>& step) {
   std::string text = "run:\n";
@@ -252,8 +276,8 @@ std::string implicit_cost_text(const Setup& setup, const std::optional<double>& 
 std::string cost_text(const Setup& setup, const Steps& steps, std::int64_t spheres) {
   double duration = 0, elements = 0;
   for (const auto& stage : setup.scene.stages) duration += stage.duration;
-  if (!setup.scene.is_explicit()) return implicit_cost_text(setup, steps.fem);
-  const Window window = choose_window(steps.dem, steps.fem);
+  if (!setup.scene.is_explicit() && !setup.roles->coupled) return implicit_cost_text(setup, steps.fem);
+  const Window window = choose_window(steps.dem, steps.fem, setup.scene.coupling);
   for (const auto& body : setup.body_counts) elements += static_cast<double>(body.elements);
   const double windows = std::ceil(duration / window.length());
   std::string text = "run:\n";
@@ -264,6 +288,8 @@ std::string cost_text(const Setup& setup, const Steps& steps, std::int64_t spher
   if (setup.scene.has_grains() && setup.scene.has_bodies()) {
     text +=
         fmt::format("  window {:.4g} s = {} DEM steps = {} FEM steps\n", window.length(), window.n_dem, window.n_fem);
+    text += fmt::format("  contact forces act on the bodies {:.3g} s late\n", lag(window, setup.scene.coupling));
+    text += coupled_limit_text(setup, window);
   }
   const double sphere_steps = windows * window.n_dem * static_cast<double>(spheres);
   const double element_steps = windows * window.n_fem * elements;

@@ -12,6 +12,7 @@
 #include "base/columns.hpp"
 #include "base/skin.hpp"
 #include "coupling/roles.hpp"
+#include "coupling/window.hpp"
 #include "dem/dem.hpp"
 #include "fem/fem.hpp"
 
@@ -21,23 +22,29 @@ class Exchange {
  public:
   /// Collective over the world: tells the DEM rank every skin and who owns which node. `model` is null off the FEM
   /// ranks.
-  Exchange(const Roles&, const fem::Model* model);
+  Exchange(const Roles&, const fem::Model* model, const CouplingSettings& = {});
 
   /// The skins, on every rank.
   const std::vector<base::Skin>& skins() const { return skins_; }
+  /// 1 / mass [1/kg] of the nodes of skin s, on the DEM rank.
+  const std::vector<double>& mobility(std::size_t s) const { return mobility_[s]; }
 
   // ---- FEM side
-  /// Sends positions and velocities of the owned nodes at the window's end: as they are after predict() (ahead = 0), or
-  /// extrapolated with the present velocity over `ahead` seconds.
+  /// Call when a window begins, before predict(): a parabola leaves with the velocities that the nodes have then.
+  void begin_window(const fem::Model&);
+  /// Sends positions of the owned nodes at the window's end: as they are after predict() (ahead = 0), or extrapolated
+  /// with the present velocity over `ahead` seconds; and velocities, of the end or of the start (SkinMotion).
   void send_skins(const fem::Model&, double ahead, bool failed);
-  /// Takes the nodal forces. False when the DEM side has failed.
-  bool receive_forces(fem::Model&);
+  /// Takes the nodal impulses of a window. False when the DEM side has failed.
+  bool receive_impulses();
+  /// Nodal forces = the impulses last received / window [s].
+  void apply(fem::Model&, double window);
 
   // ---- DEM side
   /// Takes the skin states into the DEM's meshes `walls[s]`. False when the FEM side has failed.
   bool receive_skins(dem::Simulation&, std::span<const int> walls);
-  /// Sends nodal forces = impulse / window.
-  void send_forces(const dem::Simulation&, std::span<const int> walls, double window, bool failed);
+  /// Sends the nodal impulses of the last advance().
+  void send_impulses(const dem::Simulation&, std::span<const int> walls, bool failed);
   /// Ends the sends of this window; call once per window on every rank.
   void finish_window();
 
@@ -52,6 +59,9 @@ class Exchange {
   void restore(const base::Columns& grains, const base::Columns& bodies);
 
  private:
+  void save_waiting(base::Columns& bodies) const;
+  void restore_waiting(const base::Columns& bodies);
+
   struct Peer {
     int rank = 0;                         // world rank
     std::vector<std::vector<int>> nodes;  // per skin: owned skin nodes
@@ -59,16 +69,23 @@ class Exchange {
     MPI_Request out_request = MPI_REQUEST_NULL, in_request = MPI_REQUEST_NULL;
   };
 
+  struct Impulse {   // on the grains in one window
+    base::Vec3 sum;  // [N s]
+    double all = 0;  // [N s] sum of |nodal impulse|
+  };
+
   const Roles& roles_;
+  const CouplingSettings settings_;
   std::vector<base::Skin> skins_;
-  std::vector<Peer> fem_peers_;                                           // on the DEM rank: one per FEM rank
-  Peer dem_peer_;                                                         // on a FEM rank
-  std::vector<std::vector<base::Vec3>> positions_, velocities_, forces_;  // per skin, whole
+  std::vector<std::vector<double>> mobility_;
+  std::vector<Peer> fem_peers_;                                             // on the DEM rank: one per FEM rank
+  Peer dem_peer_;                                                           // on a FEM rank
+  std::vector<std::vector<base::Vec3>> positions_, velocities_, impulses_;  // per skin, whole
+  std::vector<std::vector<base::Vec3>> leaving_;  // [m/s] per skin, owned nodes: velocities as the window began
+  std::vector<std::vector<base::Vec3>> waiting_;  // [N s] per skin, owned nodes: impulses last received
   std::vector<base::Vec3> local_positions_, local_velocities_, local_forces_;
-  base::Vec3 applied_;    // [N] sum of the nodal forces this FEM rank applied in the window before
-  base::Vec3 given_;      // [N s] impulse on the grains in the window before (DEM rank)
-  double given_sum_ = 0;  // [N s] sum of |nodal impulse| in the window before
-  double window_ = 0;
+  base::Vec3 applied_;            // [N s] sum of force x window of this FEM rank in the window before
+  Impulse given_, given_before_;  // of the last window and the one before it (DEM rank)
   double momentum_error_ = 0, seconds_ = 0, waited_ = 0;
 };
 

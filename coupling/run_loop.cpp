@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "base/error.hpp"
@@ -174,13 +173,17 @@ void RunLoop::ramp(double share) {
   setup_.grains->set_material(0, material);
 }
 
+/// An explicit step leads to places that need no force of its end; an implicit one is a whole.
+bool RunLoop::is_predicted() const { return setup_.window.n_fem == 1 && setup_.scene.is_explicit(); }
+
 bool RunLoop::fem_begin() {
   auto& model = *setup_.bodies;
   const Window& w = setup_.window;
+  if (setup_.exchange && failure_.kind == Failure::none) setup_.exchange->begin_window(model);
   if (w.n_fem == 1 && failure_.kind == Failure::none) failure_ = timed(fem_seconds_, [&] { model.predict(w.dt_fem); });
   // Within one process nobody else has to be told, and nobody would take the message.
   const bool tell = setup_.exchange && (failure_.kind == Failure::none || setup_.roles->size > 1);
-  if (tell) setup_.exchange->send_skins(model, w.n_fem == 1 ? 0.0 : w.length(), failure_.kind != Failure::none);
+  if (tell) setup_.exchange->send_skins(model, is_predicted() ? 0.0 : w.length(), failure_.kind != Failure::none);
   return failure_.kind == Failure::none;
 }
 
@@ -191,29 +194,35 @@ bool RunLoop::dem_window() {
   failure_ = timed(dem_seconds_, [&] { grains.advance(w.n_dem, w.dt_dem); });
   const bool failed = failure_.kind != Failure::none;
   if (setup_.exchange && (!failed || setup_.roles->size > 1))
-    setup_.exchange->send_forces(grains, setup_.skin_walls, w.length(), failed);
+    setup_.exchange->send_impulses(grains, setup_.skin_walls, failed);
   return !failed;
 }
 
 bool RunLoop::fem_end() {
   auto& model = *setup_.bodies;
   const Window& w = setup_.window;
+  const bool late = setup_.scene.coupling.scheme == Scheme::concurrent;
   if (w.n_fem == 1) failure_ = timed(fem_seconds_, [&] { model.inner_forces(); });
   // The other side's message is taken in any case; nothing waits in the air when this side has failed.
-  if (setup_.exchange && !setup_.exchange->receive_forces(model)) return false;
-  if (failure_.kind != Failure::none) return false;
-  failure_ = timed(fem_seconds_, [&] {
-    if (w.n_fem == 1) {
-      model.correct(w.dt_fem);
-      return;
-    }
-    for (int step = 0; step < w.n_fem; ++step) {
-      model.predict(w.dt_fem);
-      model.inner_forces();
-      model.correct(w.dt_fem);
-    }
-  });
+  if (setup_.exchange && !late && !setup_.exchange->receive_impulses()) return false;
+  if (failure_.kind == Failure::none) {
+    if (setup_.exchange) setup_.exchange->apply(model, w.length());
+    failure_ = timed(fem_seconds_, [&] { take_fem_steps(); });
+  }
+  if (setup_.exchange && late && !setup_.exchange->receive_impulses()) return false;
   return failure_.kind == Failure::none;
+}
+
+/// The window's FEM steps, or with one the rest of it.
+void RunLoop::take_fem_steps() {
+  auto& model = *setup_.bodies;
+  const Window& w = setup_.window;
+  if (w.n_fem == 1) return model.correct(w.dt_fem);
+  for (int step = 0; step < w.n_fem; ++step) {
+    model.predict(w.dt_fem);
+    model.inner_forces();
+    model.correct(w.dt_fem);
+  }
 }
 
 bool RunLoop::step_window() {
@@ -297,29 +306,6 @@ void RunLoop::guard_energy(std::size_t samples) {
       ledger_.interface_mismatch(), place));
 }
 
-/// The Rayleigh limit knows the grains, not how hard they are pressed: where the live contacts ask for a shorter step,
-/// the window is shortened for the rest of the stage.
-void RunLoop::obey_contacts() {
-  if (!setup_.scene.has_grains()) return;
-  samples_since_bound_ = 0;
-  constexpr double safety = 0.9;  // the bound is taken now and has to hold until the next sample
-  double bound = 0;
-  if (setup_.grains) {
-    const auto limit = setup_.grains->contact_stable_step();
-    bound = limit.limit;
-    if (bound > 0 && std::isfinite(bound) && (smallest_contact_step_ == 0 || bound < smallest_contact_step_)) {
-      smallest_contact_step_ = bound;
-      summary_.coupling_limiter = fmt::format("{:.4g} s: {}", bound, limit.limiter);
-    }
-  }
-  if (setup_.roles->size > 1) MPI_Bcast(&bound, 1, MPI_DOUBLE, setup_.roles->dem_rank, setup_.roles->world);
-  if (!(bound > 0) || !std::isfinite(bound) || setup_.scene.time.force_step) return;
-  if (setup_.window.dt_dem <= safety * bound) return;
-  // A tenth more than needed, so that a slowly rising load does not shorten it at every sample.
-  setup_.choose_window(0.9 * safety * bound);
-  spdlog::info("t = {:.4g} s: DEM step shortened to {:.3g} s by the live contacts", time_, setup_.window.dt_dem);
-}
-
 void RunLoop::write_picture() {
   if (setup_.bodies) setup_.bodies->write(directory_.string(), time_);
   if (!setup_.grains) return;
@@ -350,7 +336,7 @@ bool RunLoop::run_stage(const Stage& stage, std::optional<double> until) {
   const auto& output = setup_.scene.output;
   const double picture_interval = output.interval > 0 ? output.interval : stage.duration;
   if (!goes_on_) {
-    setup_.choose_window(std::numeric_limits<double>::infinity());
+    setup_.choose_window();
     setup_.fit_to(stage.duration);
     obey_contacts();
     begin(stage);
@@ -394,6 +380,7 @@ void RunLoop::run(std::optional<double> until) {
   FailureText agreed = caught([&] { agree(setup_.roles->world, [&] { raise(failure_); }); });
   if (agreed.kind == Failure::interrupted) agree(setup_.roles->world, [&] { write_picture(); });
   close_summary();
+  if (agreed.kind == Failure::unstable) agreed.text += remedy();
   if (agreed.kind != Failure::none) agreed.text += next_steps(agreed.kind);
   raise(agreed);
 }

@@ -1,12 +1,13 @@
 #pragma once
 // The stages of a run, window by window.
 //
-// One window, W = n_dem dt_dem = n_fem dt_fem, on each side (design: "One coupling window"):
+// One window, W = n_dem dt_dem = n_fem dt_fem, on each side (window.hpp: its schemes and what they cost):
 //   FEM: n_fem = 1: predict to the window's end (u there needs no force of that instant), send the skin, take the inner
-//        forces while the grains work, receive the nodal forces, correct. At 1 : 1 both sides so use forces of one and
-//        the same instant, as a single velocity-Verlet step of the whole would.
-//        n_fem > 1: send the skin extrapolated over the window, receive, then n_fem steps under that force.
-//   DEM: receive, n_dem steps over the moving skin, send impulse / W.
+//        forces while the grains work, receive the nodal impulses, correct. At 1 : 1 both sides so use forces of one
+//        and the same instant, as a single velocity-Verlet step of the whole would. n_fem > 1, and implicit steps: send
+//        the skin extrapolated over the window, receive, then n_fem steps under the force impulse / W. Concurrent: take
+//        the steps under the impulse of the window before, then receive.
+//   DEM: receive, n_dem steps over the moving skin, send the impulse.
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -14,6 +15,7 @@
 
 #include "coupling/agree.hpp"
 #include "coupling/checkpoint.hpp"
+#include "coupling/coupled_step.hpp"
 #include "coupling/progress.hpp"
 #include "coupling/run_files.hpp"
 #include "coupling/sampler.hpp"
@@ -44,10 +46,15 @@ class RunLoop {
   bool fem_begin();
   bool dem_window();
   bool fem_end();
+  void take_fem_steps();
+  bool is_predicted() const;
   void observe(bool picture, bool final);  // final: the run stops here; its state is written in any case
   void guard_energy(std::size_t samples);
   void guard_flight();
+  // run_loop_limits.cpp
   void obey_contacts();
+  double judge_window();
+  std::string remedy() const;
   void write_picture();
   std::unique_ptr<dem::Writer> make_writer(std::span<const dem::Grain> reference) const;
   void close_summary();
@@ -83,6 +90,13 @@ class RunLoop {
   bool packing_friction_ = false;             // grains have the friction of their packing
   bool measuring_ = false, removed_ = false;  // removed: walls, at the start of this stage
   double smallest_contact_step_ = 0;
+  /// The hardest that skins have been pressed so far, and the longest window for that [s]; see obey_contacts().
+  struct Judged {
+    SkinContacts contacts;
+    int n_dem = 0, n_fem = 0;
+    double longest = 0, damping_ratio = 0;
+  } judged_;
+  double warned_ = 0;  // damping ratio that has been spoken of
   int samples_since_bound_ = 0;
   double dem_seconds_ = 0, fem_seconds_ = 0, output_seconds_ = 0;
   std::int64_t windows_ = 0, dem_steps_ = 0, fem_steps_ = 0;

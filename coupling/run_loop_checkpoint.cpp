@@ -59,6 +59,10 @@ void RunLoop::walk(Self& self, Walk&& walk) {
   walk.numbers("window", window.n_dem, window.n_fem, window.dt_dem, window.dt_fem);
   walk.numbers("ledger", self.ledger_);
   walk.text("coupling_limiter", self.summary_.coupling_limiter);
+  walk.text("window_limiter", self.summary_.window_limiter);
+  auto& judged = self.judged_;
+  walk.numbers("judged", judged.contacts.grain, judged.contacts.node, judged.contacts.body, judged.contacts.dashpot,
+               judged.contacts.implicit_body, judged.n_dem, judged.n_fem, judged.longest, judged.damping_ratio);
   walk.numbers("seconds", self.dem_seconds_, self.output_seconds_);
   walk_series(self.series_, walk);
 }

@@ -52,6 +52,7 @@ Scene read_scene(const std::filesystem::path& file, const std::vector<Override>&
   scene.time = read_time(root.at("time"));
   scene.output = read_output(root.at("output"));
   build_solver(root, scene);
+  build_coupling(root, scene);
   build_stages(root, scene);
   build_bodies(root, scene);
   build_grains(root, scene);

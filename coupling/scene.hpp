@@ -14,6 +14,7 @@
 #include "coupling/bonding.hpp"
 #include "coupling/grain_probe.hpp"
 #include "coupling/shapes.hpp"
+#include "coupling/window.hpp"
 #include "dem/dem.hpp"
 #include "fem/fem.hpp"
 
@@ -280,6 +281,7 @@ struct Scene {
   std::string title;
   Vec3 gravity{0, 0, -9.81};
   TimeSettings time;
+  CouplingSettings coupling;
   std::vector<Stage> stages;
   std::optional<GrainsScene> grains;  // absent: no DEM at all
   std::vector<fem::Body> bodies;      // empty: no FEM at all

@@ -51,6 +51,7 @@ void read_wall_motion(const base::Value& row, const Scene&, WallScene&);
 
 // ---- one for each part of the file; `root` is the checked scene
 void build_solver(base::Value& root, Scene&);
+void build_coupling(base::Value& root, Scene&);
 void build_stages(base::Value& root, Scene&);  // after the solver
 void build_bodies(base::Value& root, Scene&);
 void build_grains(base::Value& root, Scene&);

@@ -37,10 +37,9 @@ void require_reader(const Value& table, const char* key, std::initializer_list<c
 void refuse_idle_parts(const Value& root, const Scene& scene, const std::string& solver) {
   const auto kind = scene.solver.kind;
   if (kind == fem::Solver::explicit_steps) return;
-  if (root.has("grains"))
-    fail(root.at("grains"),
-         fmt::format("fem.solver = \"{}\" goes without grains, whose contacts need explicit steps", solver),
-         "remove the grains, or set fem.solver = \"explicit\"");
+  if (root.has("grains") && kind != fem::Solver::newmark)
+    fail(root.at("grains"), fmt::format("fem.solver = \"{}\" goes without grains, which need bodies that move", solver),
+         "remove the grains, or set fem.solver = \"explicit\" or \"newmark\"");
   for (const auto& body : root.rows("body")) {
     if (kind == fem::Solver::newmark) continue;
     const auto refuse_damping = [&](const Value& table, std::initializer_list<const char*> keys) {
@@ -71,6 +70,18 @@ void refuse_idle_parts(const Value& root, const Scene& scene, const std::string&
 const char* solver_name(fem::Solver solver) {
   constexpr const char* names[] = {"explicit", "newmark", "static", "modal"};
   return names[static_cast<int>(solver)];
+}
+
+void build_coupling(Value& root, Scene& scene) {
+  if (!root.has("coupling")) return;
+  const Value& table = root.at("coupling");
+  if (!root.has("grains") || root.rows("body").empty())
+    fail(table, "there is nothing to couple", "remove [coupling], or add [grains] and [[body]]");
+  auto& coupling = scene.coupling;
+  if (table.at("scheme").text() == "concurrent") coupling.scheme = Scheme::concurrent;
+  if (table.at("skin_motion").text() == "quadratic") coupling.skin_motion = SkinMotion::quadratic;
+  if (const Value* steps = table.find("n_dem")) coupling.n_dem = static_cast<int>(steps->integer());
+  if (const Value* steps = table.find("n_fem")) coupling.n_fem = static_cast<int>(steps->integer());
 }
 
 void build_solver(Value& root, Scene& scene) {

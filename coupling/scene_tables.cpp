@@ -558,6 +558,8 @@ const Table& scene_table() {
                             base::vector("gravity", "m/s2", "acceleration of free fall").otherwise(Vec3{0, 0, -9.81}),
                             base::table("time", time_table(), "steps").otherwise_empty(),
                             base::table("fem", fem_table(), "how the bodies are solved").optional("explicit"),
+                            base::table("coupling", coupling_table(), "what passes between grains and bodies")
+                                .optional("sequential, steps chosen"),
                             base::table("grains", grains_table(), "what all grains share").optional("no DEM"),
                             base::tables("grain", grain_table(), "grains one by one").otherwise_empty(),
                             base::tables("bond", bond_table(), "bonds one by one").otherwise_empty(),

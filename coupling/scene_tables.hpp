@@ -8,6 +8,7 @@ namespace coupling {
 
 const base::Table& scene_table();  // the whole file
 const base::Table& time_table();
+const base::Table& coupling_table();  // solver_tables.cpp
 const base::Table& grains_table();
 const base::Table& grain_material_table();
 const base::Table& shape_table();

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
@@ -55,7 +54,7 @@ Setup::Setup(MPI_Comm world, const RunOptions& options_) : options(options_) {
     fem_limit.limiter.resize(static_cast<std::size_t>(length));
     MPI_Bcast(fem_limit.limiter.data(), length, MPI_CHAR, roles->first_fem_rank, world);
   }
-  if (roles->coupled) exchange = std::make_unique<Exchange>(*roles, bodies.get());
+  if (roles->coupled) exchange = std::make_unique<Exchange>(*roles, bodies.get(), scene.coupling);
   if (exchange) skins = exchange->skins();
 }
 
@@ -154,7 +153,7 @@ void Setup::place_grains(Summary& summary) {
     look_at_the_start();
   });
   if (scene.has_grains()) MPI_Bcast(&dem_limit.limit, 1, MPI_DOUBLE, roles->dem_rank, roles->world);
-  choose_window(std::numeric_limits<double>::infinity());
+  choose_window();
   report_steps();
 }
 
@@ -193,7 +192,7 @@ void Setup::restore(const Restart& restart, Summary& summary) {
           fmt::format("{}: does not fit: {}; start a new run without --restart", restart.file.string(), error.what()));
     }
   });
-  choose_window(std::numeric_limits<double>::infinity());
+  choose_window();
   report_steps();
 }
 
@@ -209,19 +208,21 @@ void Setup::look_at_the_start() {
 
 double Setup::wanted_dem_step() const { return step_of(scene.time.dem_step, scene.time.dem_fraction, dem_limit.limit); }
 
-void Setup::choose_window(double longest) {
+void Setup::choose_window(double longest_step, double longest_window) {
   std::optional<double> d, f;
-  if (scene.has_grains()) d = std::min(wanted_dem_step(), longest);
-  if (scene.has_bodies() && !scene.is_explicit()) {
+  if (scene.has_grains()) d = std::min(wanted_dem_step(), longest_step);
+  if (scene.has_bodies() && !scene.is_explicit() && !d) {
     window = {0, 1, 0, scene.time.fem_step ? scene.time.fem_step->seconds : 0};
     return;
   }
   if (scene.has_bodies()) f = step_of(scene.time.fem_step, scene.time.fem_fraction, fem_limit.limit);
-  window = coupling::choose_window(d, f);
+  if (d) d = std::min(*d, longest_window / std::max(1, scene.coupling.n_dem));
+  if (f) f = std::min(*f, longest_window / std::max(1, scene.coupling.n_fem));
+  window = coupling::choose_window(d, f, scene.coupling);
 }
 
 void Setup::fit_to(double duration) {
-  if (scene.is_explicit()) return;
+  if (scene.is_explicit() || scene.has_grains()) return;
   const double wanted = scene.time.fem_step ? scene.time.fem_step->seconds : duration;
   window.dt_fem = duration / std::ceil(duration / wanted * (1 - 1e-9));
 }
@@ -234,11 +235,12 @@ void Setup::aim_at(double duration) {
 void Setup::report_steps() const {
   if (scene.has_grains())
     spdlog::info("DEM step {:.3g} s (limit {:.3g} s: {})", window.dt_dem, dem_limit.limit, dem_limit.limiter);
-  if (scene.has_bodies() && scene.is_explicit())
+  if (scene.has_bodies() && (scene.is_explicit() || scene.has_grains()))
     spdlog::info("FEM step {:.3g} s (limit {:.3g} s: {})", window.dt_fem, fem_limit.limit, fem_limit.limiter);
   if (roles->coupled)
-    spdlog::info("window {:.3g} s = {} DEM step{} = {} FEM step{}", window.length(), window.n_dem,
-                 window.n_dem > 1 ? "s" : "", window.n_fem, window.n_fem > 1 ? "s" : "");
+    spdlog::info("window {:.3g} s = {} DEM step{} = {} FEM step{}; contact forces act on the bodies {:.3g} s late",
+                 window.length(), window.n_dem, window.n_dem > 1 ? "s" : "", window.n_fem, window.n_fem > 1 ? "s" : "",
+                 lag(window, scene.coupling));
 }
 
 }  // namespace coupling

@@ -1,6 +1,7 @@
 #pragma once
 // From a scene file to the two sides ready to step: everything that can be refused is refused here, before anything is
 // written.
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -35,8 +36,9 @@ class Setup {
   /// Longest DEM step [s] wanted: the hand-set one, or the fraction of the Rayleigh limit.
   double wanted_dem_step() const;
   void look_at_the_start();
-  /// The window with no DEM step longer than `longest` [s]. The same on every rank if `longest` is.
-  void choose_window(double longest);
+  /// The window with no DEM step and no whole longer than these [s]. The same on every rank if these are.
+  void choose_window(double longest_step = std::numeric_limits<double>::infinity(),
+                     double longest_window = std::numeric_limits<double>::infinity());
   /// Implicit bodies: the longest step wanted that goes into this time [s] a whole number of times.
   void fit_to(double duration);
   /// Without a partner a side has nobody to wait for: as many steps go into the next window as fill this time [s].

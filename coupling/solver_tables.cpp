@@ -1,4 +1,4 @@
-// How the bodies are solved: the table [fem].
+// How the bodies are solved, and how the grains are coupled to them: the tables [fem] and [coupling].
 #include "coupling/scene_tables.hpp"
 
 namespace coupling {
@@ -23,6 +23,24 @@ const base::Table& fem_table() {
            .among({"rest", "equilibrium"})
            .optional("rest"),
        base::integer("modes", "of modal: how many of every body, without rigid motions").at_least(1).optional("6")}};
+  return table;
+}
+
+const base::Table& coupling_table() {
+  static const base::Table table{
+      "coupling",
+      "what passes between grains and bodies; in one window both make a whole number of steps",
+      {base::text("scheme",
+                  "sequential: bodies take the contact forces of the same window; concurrent: those of the window "
+                  "before, so that both sides work at once on ranks of their own; less accurate (coupling/window.hpp)")
+           .among({"sequential", "concurrent"})
+           .otherwise("sequential"),
+       base::text("skin_motion",
+                  "of a body's surface within a window; linear: evenly; quadratic: from its velocity at the start on")
+           .among({"linear", "quadratic"})
+           .otherwise("linear"),
+       base::integer("n_dem", "steps of the grains in a window").at_least(1).at_most(100).optional("chosen"),
+       base::integer("n_fem", "steps of the bodies in a window").at_least(1).at_most(100).optional("chosen")}};
   return table;
 }
 

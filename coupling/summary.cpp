@@ -113,7 +113,10 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
   json["elements"] = run.elements;
   json["steps"] = {{"dem", run.dem_steps}, {"fem", run.fem_steps}, {"windows", run.windows}};
   json["dt_s"] = {{"dem", run.dem_dt}, {"fem", run.fem_dt}};
-  json["dt_limiter"] = {{"dem", run.dem_limiter}, {"fem", run.fem_limiter}, {"coupling", run.coupling_limiter}};
+  const std::string both = run.coupling_limiter.empty() || run.window_limiter.empty() ? "" : "; ";
+  json["dt_limiter"] = {{"dem", run.dem_limiter},
+                        {"fem", run.fem_limiter},
+                        {"coupling", run.coupling_limiter + both + run.window_limiter}};
   const auto rate = [&](double amount, const char* side) {
     const auto spent = run.seconds.find(side);
     return spent != run.seconds.end() && spent->second > 0 ? amount / spent->second : 0.0;

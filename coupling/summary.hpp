@@ -24,8 +24,9 @@ struct Summary {
   std::int64_t grains = 0, spheres = 0, elements = 0;
   std::int64_t dem_steps = 0, fem_steps = 0, windows = 0;
   double dem_dt = 0, fem_dt = 0;  // [s]
-  std::string dem_limiter, fem_limiter, coupling_limiter;
-  std::map<std::string, double> seconds;  // dem, fem, exchange, waiting, output [s]
+  std::string dem_limiter, fem_limiter;
+  std::string coupling_limiter, window_limiter;  // of the live contacts: DEM step, and window
+  std::map<std::string, double> seconds;         // dem, fem, exchange, waiting, output [s]
   double momentum_error = 0;
   bool measured = false;  // the ledger covers something
   Ledger ledger;

@@ -95,6 +95,11 @@ struct WallBodyState {
   Vec3 contact_force, contact_torque;       // [N], [N m] of the grains on the wall, about the centre
 };
 
+/// How the nodes of a mesh come to their targets. line: straight and evenly; the velocities that contacts see go
+/// linearly from the last ones to the given ones. parabola: the given velocities are those at the start; the way is the
+/// quadratic through start, start velocity and target, and contacts see its derivative.
+enum class MeshWay { line, parabola };
+
 /// How positions and velocities advance (Irazabal2017 3.3): velocity Verlet (3.44-3.53), second order; or symplectic
 /// Euler (3.36-3.39), first order: v += dt a(x_n, v_n), x += dt v. Walls that are bodies keep velocity Verlet.
 enum class TimeScheme { velocity_verlet, symplectic_euler };
@@ -158,6 +163,11 @@ struct WallContact {
   double overlap = 0;  // [m]
 };
 
+/// Contacts at a node of a mesh: tangent stiffness, the larger of normal and shear, and normal dashpot.
+struct NodeSpring {
+  double stiffness = 0, damping = 0;  // [N/m], [N s/m]
+};
+
 class Simulation {
  public:
   static std::unique_ptr<Simulation> create(const Setup&, Backend);
@@ -210,12 +220,14 @@ class Simulation {
   /// Of a rigid wall: how far it has come [m] (a body: its centre) and how fast it moves [m/s].
   virtual Vec3 wall_displacement(int wall) const = 0;
   virtual Vec3 wall_velocity(int wall) const = 0;
-  /// Nodes of a mesh move linearly, over the next advance(), from where they are to these positions; velocities
-  /// likewise.
-  virtual void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) = 0;
+  /// Nodes of a mesh move, over the next advance(), from where they are to these positions (MeshWay).
+  virtual void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities,
+                               MeshWay = MeshWay::line) = 0;
   /// Nodal impulse [N s] that the grains passed to the mesh during the last advance(): sum over its steps of
   /// (nodal force at the step's end) × dt, the contact force carried to the nodes by the facet's shape functions.
   virtual void nodal_impulse(int wall, std::span<Vec3> impulse) const = 0;
+  /// Springs of the live contacts on the nodes of a mesh, each contact's shared out by the facet's shape functions.
+  virtual std::vector<NodeSpring> node_springs(int wall) const = 0;
   /// Sum of the impulses that the grains received from that mesh in the last advance(), counted on the grains' side.
   virtual Vec3 wall_impulse_on_grains(int wall) const = 0;
 

@@ -182,6 +182,15 @@ void ExplicitModel::skin_state(int skin, std::span<Vec3> positions, std::span<Ve
   }
 }
 
+std::vector<double> ExplicitModel::skin_mobility(int skin) const {
+  std::vector<double> mobility;
+  for (const int node : contacts_.at(skin).nodes) {
+    const double* inverse = inverse_mass_.data() + 3 * node;
+    mobility.push_back(std::max({inverse[0], inverse[1], inverse[2]}));
+  }
+  return mobility;
+}
+
 void ExplicitModel::set_skin_forces(int skin, std::span<const Vec3> forces) {
   std::ranges::copy(forces, contacts_.at(skin).given.begin());
 }

@@ -45,6 +45,7 @@ class ExplicitModel : public Model {
   std::span<const int> owned_skin_nodes(int skin) const override { return contacts_.at(skin).skin_nodes; }
   void skin_state(int skin, std::span<Vec3> positions, std::span<Vec3> velocities) const override;
   void set_skin_forces(int skin, std::span<const Vec3> forces) override;
+  std::vector<double> skin_mobility(int skin) const override;
   base::Energy energy() const override;
   void reset_energy() override;
   Vec3 probe_group(const std::string& body, const std::string& group, Quantity) const override;

@@ -190,6 +190,9 @@ class Model {
   /// Present positions and velocities of the owned skin nodes, in that order (not collective). After predict() the
   /// velocity is extrapolated to the end of the step (v + dt/2 a), so both belong to the same instant.
   virtual void skin_state(int skin, std::span<Vec3> positions, std::span<Vec3> velocities) const = 0;
+  /// 1 / mass [1/kg] of the owned skin nodes, in the direction in which they are lightest; 0: held everywhere (not
+  /// collective).
+  virtual std::vector<double> skin_mobility(int skin) const = 0;
   /// Forces [N] on the owned skin nodes, held until set again (not collective).
   virtual void set_skin_forces(int skin, std::span<const Vec3> forces) = 0;
 

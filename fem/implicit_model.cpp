@@ -61,8 +61,10 @@ ImplicitModel::Step ImplicitModel::begin() const {
             is_static() ? weight_balanced_ : weight_,
             damping_forces(),
             viscous_,
+            {},
             {}};
   for (const auto& driven : driven_) step.reactions.push_back(driven.reaction);
+  for (const auto& contact : contacts_) step.contacts.push_back(contact.used);
   return step;
 }
 
@@ -186,6 +188,18 @@ void ImplicitModel::book_work(const Step& before, std::span<const double> dampin
     const int i = driven_[k].index;
     const double half_way = 0.5 * (displacement_.data()[i] - before.displacements[i]);
     ledger_.work_loads += half_way * (before.reactions[k] + driven_[k].reaction);
+  }
+  // Contact forces are among the loads above, but their work is the interface's.
+  for (std::size_t s = 0; s < contacts_.size(); ++s) {
+    for (std::size_t k = 0; k < contacts_[s].nodes.size(); ++k) {
+      const Vec3 both = before.contacts[s][k] + contacts_[s].used[k];
+      for (int c = 0; c < 3; ++c) {
+        const int i = 3 * contacts_[s].nodes[k] + c;
+        const double work = 0.5 * (displacement_.data()[i] - before.displacements[i]) * both[c];
+        ledger_.work_interface += work;
+        ledger_.work_loads -= work;
+      }
+    }
   }
 }
 

@@ -37,6 +37,7 @@ class ImplicitModel final : public ExplicitModel {
   struct Step {                                                          // as a step begins, owned components
     std::vector<double> displacements, loads, weight, damping, viscous;  // [m] [N] [N] [N] [N]
     std::vector<double> reactions;                                       // [N] of driven components
+    std::vector<std::vector<Vec3>> contacts;                             // [N] of grains, by skin
   };
   bool is_static() const { return setup_.solver.kind == Solver::statics; }
   bool creeps() const { return assembly_.viscous() && !is_static(); }

@@ -5,10 +5,13 @@
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
-/// Node positions, velocities and displacement of the step for a mesh on its way to a target.
+/// Node positions, velocities and displacement of the step for a mesh on its way to a target: x = from + s (to - from)
+/// + s (1 - s) bow over the share s of the way. On a parabola bow = T v - (to - from), v the velocity at the start and
+/// T the time of the way, and to_velocity = v - 2 bow / T: the velocity is the derivative of x.
 struct MoveToTarget {
   Vec3 *position, *velocity, *displacement;
   const Vec3 *from_position, *from_velocity, *to_position, *to_velocity;
+  const Vec3* bow;  // [m] null: straight
   int first;
   double share, step_share;  // of the way: after this step, in this step
   TRACKBED_HD void operator()(int index) const {
@@ -17,6 +20,9 @@ struct MoveToTarget {
     position[node] = share < 1 ? from_position[node] + share * way : to_position[node];
     velocity[node] = from_velocity[node] + share * (to_velocity[node] - from_velocity[node]);
     displacement[node] = step_share * way;
+    if (!bow) return;
+    position[node] += share * (1 - share) * bow[node];
+    displacement[node] += step_share * (1 - 2 * share + step_share) * bow[node];
   }
 };
 

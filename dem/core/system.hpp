@@ -46,7 +46,8 @@ class System final : public Simulation {
   WallBodyState wall_body(int wall) const override;
   Vec3 wall_displacement(int wall) const override;
   Vec3 wall_velocity(int wall) const override;
-  void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) override;
+  void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities,
+                       MeshWay way) override;
   void nodal_impulse(int wall, std::span<Vec3> impulse) const override;
   Vec3 wall_impulse_on_grains(int wall) const override;
 
@@ -54,6 +55,7 @@ class System final : public Simulation {
   double time() const override { return time_; }
   StableStep stable_step() const override;
   StableStep contact_stable_step() const override;
+  std::vector<NodeSpring> node_springs(int wall) const override;
 
   base::Columns save() const override;
   void restore(const base::Columns&) override;

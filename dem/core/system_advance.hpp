@@ -10,7 +10,7 @@ inline void System::advance(int n, double dt) {
   base::require_internal(n >= 0 && dt > 0, "advance needs a positive step");
   [[maybe_unused]] const ThreadsFor threads(grains_.size());
   node_impulse_current_ = false;
-  walls_.begin_advance();
+  walls_.begin_advance(n * dt);
   clear(near_walls_.impulse);
   clear(near_walls_.nodal);
   last_dt_ = dt;

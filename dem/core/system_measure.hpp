@@ -414,4 +414,33 @@ inline StableStep System::contact_stable_step() const {
   return contact_step(masses, springs);
 }
 
+inline std::vector<NodeSpring> System::node_springs(int wall) const {
+  require_wall(wall);
+  std::vector<NodeSpring> springs(walls_.walls[wall].nodes);
+  if (rows_moved_ || near_walls_.size() == 0) return springs;
+  const auto place = download(grains_.place);
+  const auto motion = download(grains_.motion);
+  const Rows<const Quad> motions{motion.data(), grains_.parts};
+  const auto material = download(grains_.material);
+  const int materials = static_cast<int>(setup_.materials.size()), first = walls_.walls[wall].first_node;
+  const auto grain = download(near_walls_.grain), start = download(near_walls_.start);
+  const auto candidate = download(near_walls_.candidate);
+  const auto state = download(near_walls_.state);
+  const auto facets = download(walls_.facets);
+  for (std::size_t w = 0; w < grain.size(); ++w)
+    for (int c = start[w]; c < start[w + 1]; ++c) {
+      const Facet& facet = facets[candidate[c]];
+      if (!(state[c].overlap > 0) || facet.wall != wall) continue;
+      const int g = grain[w];
+      const auto spring = spring_of(wall_parameters_host_[material[g] * materials + walls_.rows_host[wall].material],
+                                    place[g].radius, motions.translation(g).number, state[c].overlap);
+      for (int k = 0; k < 4 && facet.node[k] >= 0; ++k) {
+        NodeSpring& node = springs[facet.node[k] - first];
+        node.stiffness += state[c].weights[k] * std::fmax(spring.normal_stiffness, spring.shear_stiffness);
+        node.damping += state[c].weights[k] * spring.normal_damping;
+      }
+    }
+  return springs;
+}
+
 }  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -290,11 +290,12 @@ inline Vec3 System::wall_velocity(int wall) const {
   return w.body ? w.body->state.velocity : w.velocity;
 }
 
-inline void System::set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+inline void System::set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities,
+                                    MeshWay way) {
   require_wall(wall);
   const std::size_t nodes = walls_.walls[wall].nodes;
   base::require_internal(positions.size() == nodes && velocities.size() == nodes, "target of another mesh");
-  if (walls_.set_target(wall, positions, velocities)) list_is_stale_ = true;
+  if (walls_.set_target(wall, positions, velocities, way)) list_is_stale_ = true;
 }
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM

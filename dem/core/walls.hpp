@@ -22,9 +22,13 @@ struct HostWall {
   Vec3 rigid_shift{};                   // [m] since the last list build
   Vec3 moved{};                         // [m] by rigid motions so far
   std::vector<Vec3> from{}, to{};       // [m] of the present target motion, on the host
+  MeshWay way = MeshWay::line;          // of it
+  std::vector<Vec3> leaves{};           // [m/s] at its start, on a parabola
+  std::vector<Vec3> bow{};              // [m] of a parabola, see MoveToTarget; while it is on its way
   std::vector<Vec3> listed{};           // [m] at the last list build
   std::vector<Face> faces{};            // of the second order, by nodes of this wall
   double shift_from = 0, shift_to = 0;  // [m] farthest that it has come since the list build, at the ends of the way
+  double largest_bow = 0;               // [m]
   std::optional<MovingBody> body{};     // of WallMotion::body
   Vec3 impulse{};                       // [N s] on grains in the present advance(), flushed part
 };
@@ -60,6 +64,7 @@ class Walls {
   Vector<Vec3> position;
   Vector<Vec3> velocity, displacement;                                  // empty while nothing has moved
   Vector<Vec3> from_position, from_velocity, to_position, to_velocity;  // empty without target motions
+  Vector<Vec3> bow;                                                     // [m] of nodes on parabolas; empty without any
   Vector<Vec3> body_offset;   // [m] of nodes from their body's centre; empty without bodies
   Vector<Vec3> node_impulse;  // [N s] flushed part; empty without coupled meshes
 
@@ -94,7 +99,7 @@ class Walls {
     rows_host.push_back(row);
     rows_changed = true;
     for (auto* v : {&body_offset, &velocity, &displacement, &from_position, &from_velocity, &to_position, &to_velocity,
-                    &node_impulse})
+                    &node_impulse, &bow})
       if (!v->empty()) v->resize(position.size());
     return number;
   }
@@ -151,9 +156,17 @@ class Walls {
   }
 
   /// Returns true when this is the first target of the wall, from which on its nodal impulses are kept.
-  bool set_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+  bool set_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities, MeshWay way) {
     HostWall& w = walls[wall];
     allocate_motion();
+    w.way = way;
+    w.leaves.clear();
+    w.bow.clear();
+    w.largest_bow = 0;
+    if (way == MeshWay::parabola) {
+      w.leaves.assign(velocities.begin(), velocities.end());
+      bow.resize(position.size());
+    }
     for (auto* v : {&from_position, &from_velocity, &to_position, &to_velocity, &node_impulse})
       v->resize(position.size());
     thrust::copy(positions.begin(), positions.end(), to_position.begin() + w.first_node);
@@ -182,7 +195,8 @@ class Walls {
     return first;
   }
 
-  void begin_advance() {
+  /// duration: of the advance that begins [s].
+  void begin_advance(double duration) {
     for (std::size_t k = 0; k < walls.size(); ++k) {
       HostWall& w = walls[k];
       w.impulse = {};
@@ -195,6 +209,7 @@ class Walls {
       w.fresh_target = false;
       copy_range(position, from_position, w);
       copy_range(velocity, from_velocity, w);
+      if (w.way == MeshWay::parabola) begin_parabola(w, duration);
     }
     clear(node_impulse);
   }
@@ -212,19 +227,20 @@ class Walls {
       } else if (w.motion == WallMotion::target) {
         launch(w.nodes, MoveToTarget{pointer(position), pointer(velocity), pointer(displacement),
                                      pointer(from_position), pointer(from_velocity), pointer(to_position),
-                                     pointer(to_velocity), w.first_node, k < n ? double(k) / n : 1.0, 1.0 / n});
+                                     pointer(to_velocity), w.way == MeshWay::parabola ? pointer(bow) : nullptr,
+                                     w.first_node, k < n ? double(k) / n : 1.0, 1.0 / n});
       }
     }
   }
 
   /// Bound of the largest displacement of any wall since the list build. The nodes of a target motion move on straight
-  /// lines, and a distance is convex along a line.
+  /// lines, along which a distance is convex, or beside them by at most s (1 - s) bow.
   double shift(double share) const {
     double largest = 0;
     for (const HostWall& w : walls) {
       const bool target = w.motion == WallMotion::target;
       const double way = target && !w.fresh_target ? (1 - share) * w.shift_from + share * w.shift_to : w.shift_from;
-      largest = std::max(largest, way + norm(w.rigid_shift));
+      largest = std::max(largest, way + share * (1 - share) * w.largest_bow + norm(w.rigid_shift));
     }
     return largest;
   }
@@ -242,6 +258,7 @@ class Walls {
         w.listed = w.from;
       } else {
         for (std::size_t k = 0; k < w.listed.size(); ++k) w.listed[k] = w.from[k] + share * (w.to[k] - w.from[k]);
+        for (std::size_t k = 0; k < w.bow.size(); ++k) w.listed[k] += share * (1 - share) * w.bow[k];
       }
       w.shift_from = largest_shift(w, w.from, w.listed);
       w.shift_to = largest_shift(w, w.to, w.listed);
@@ -265,6 +282,7 @@ class Walls {
     walk.rows("walls/from_velocity", self.from_velocity);
     walk.rows("walls/to_position", self.to_position);
     walk.rows("walls/to_velocity", self.to_velocity);
+    walk.rows("walls/bow", self.bow);
     walk.rows("walls/body_offset", self.body_offset);
     walk.rows("walls/node_impulse", self.node_impulse);
     auto made = download(self.facets);
@@ -294,7 +312,7 @@ class Walls {
     std::size_t total = bytes_of(rows) + bytes_of(facets) + bytes_of(parts) + bytes_of(faces) + bytes_of(planes) +
                         bytes_of(body_offset);
     for (const auto* v : {&position, &velocity, &displacement, &from_position, &from_velocity, &to_position,
-                          &to_velocity, &node_impulse})
+                          &to_velocity, &node_impulse, &bow})
       total += bytes_of(*v);
     return total;
   }
@@ -319,7 +337,8 @@ class Walls {
   template <class Wall, class Walk>
   static void walk_wall(Wall& wall, Walk& walk, const std::string& name) {
     walk.numbers(name + "/motion", wall.motion, wall.fresh_target, wall.velocity, wall.rigid_shift, wall.moved,
-                 wall.shift_from, wall.shift_to, wall.impulse);
+                 wall.shift_from, wall.shift_to, wall.impulse, wall.way);
+    walk.rows(name + "/leaves", wall.leaves);
     walk.rows(name + "/from", wall.from);
     walk.rows(name + "/to", wall.to);
     walk.rows(name + "/listed", wall.listed);
@@ -338,6 +357,18 @@ class Walls {
     w.shift_from += dt * w.body->fastest();
     launch(w.nodes, MoveBody{pointer(position), pointer(velocity), pointer(displacement), pointer(body_offset),
                              w.first_node, seen.centre, seen.velocity, seen.angular_velocity, seen.orientation});
+  }
+  void begin_parabola(HostWall& w, double duration) {
+    w.bow.resize(w.nodes);
+    std::vector<Vec3> arrives(w.nodes);
+    for (int k = 0; k < w.nodes; ++k) {
+      w.bow[k] = duration * w.leaves[k] - (w.to[k] - w.from[k]);
+      arrives[k] = duration > 0 ? w.leaves[k] - (2 / duration) * w.bow[k] : w.leaves[k];
+      w.largest_bow = std::max(w.largest_bow, norm(w.bow[k]));
+    }
+    thrust::copy(w.bow.begin(), w.bow.end(), bow.begin() + w.first_node);
+    thrust::copy(w.leaves.begin(), w.leaves.end(), from_velocity.begin() + w.first_node);
+    thrust::copy(arrives.begin(), arrives.end(), to_velocity.begin() + w.first_node);
   }
   void allocate_motion() {
     velocity.resize(position.size());

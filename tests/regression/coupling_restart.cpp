@@ -92,6 +92,23 @@ TEST(Restart, OverTheSeamOfAPeriodicBody) {
   expect_restart_repeats("seam", seam_scene(), "1.5 ms", "0.0065", 0, {"loss_friction"});
 }
 
+// Impulses that wait for their window, skins on parabolas, and Newmark's steps under grains.
+TEST(Restart, ConcurrentOnOneRank) {
+  const std::string late = "[coupling]\nscheme = \"concurrent\"\nskin_motion = \"quadratic\"\nn_fem = 3\n";
+  expect_restart_repeats("late_forces", coupled_scene() + late, "4 ms", "0.0195", 0, {"loss_friction"});
+}
+TEST(Restart, ConcurrentOnThreeRanks) {
+  const std::string late = "[coupling]\nscheme = \"concurrent\"\nskin_motion = \"quadratic\"\nn_dem = 5\n";
+  expect_restart_repeats("late_forces3", coupled_scene() + late, "4 ms", "0.0195", 3);
+}
+TEST(Restart, NewmarkUnderGrains) {
+  std::string text =
+      coupled_scene() + "[fem]\nsolver = \"newmark\"\n[time]\nfem_step = \"0.2 ms\"\n[coupling]\nn_dem = 40\n";
+  const std::string hold = "hold = [\"plate\"]\n";
+  text.replace(text.find(hold), hold.size(), "");
+  expect_restart_repeats("newmark_grains", text, "4 ms", "0.0195", 0);
+}
+
 TEST(Restart, ImplicitSteps) {
   const std::string newmark = "[fem]\nsolver = \"newmark\"\n[time]\nfem_step = \"2 ms\"\n";
   expect_restart_repeats("newmark", beams_scene(newmark, {{"one", ""}, {"other", ""}}, false), "30 ms", "0.11", 0);

@@ -56,6 +56,18 @@ TEST_F(SceneFile, ResolvedSolverReadsBack) {
   EXPECT_TRUE(read(modal.resolved_toml).is_modal());
 }
 
+TEST_F(SceneFile, CouplingIsRead) {
+  EXPECT_EQ(read(grains + one_grain + while_ + beam).coupling.scheme, coupling::Scheme::sequential);
+  const auto scene = read("[coupling]\nscheme = \"concurrent\"\nskin_motion = \"quadratic\"\nn_dem = 40\nn_fem = 2\n" +
+                          grains + one_grain + while_ + beam);
+  EXPECT_EQ(scene.coupling.scheme, coupling::Scheme::concurrent);
+  EXPECT_EQ(scene.coupling.skin_motion, coupling::SkinMotion::quadratic);
+  EXPECT_EQ(scene.coupling.n_dem, 40);
+  EXPECT_EQ(scene.coupling.n_fem, 2);
+  EXPECT_EQ(error_of("[coupling]\nn_dem = 4\n" + while_ + beam),
+            "a.toml:1: coupling; there is nothing to couple; remove [coupling], or add [grains] and [[body]]");
+}
+
 TEST_F(SceneFile, SolversThatDoNotFitAreRefused) {
   EXPECT_EQ(error_of(solver("solver = \"implicit\"") + while_ + beam)
                 .find("a.toml:2: fem.solver = \"implicit\"; must be one of"),
@@ -70,10 +82,9 @@ TEST_F(SceneFile, SolversThatDoNotFitAreRefused) {
   EXPECT_EQ(error_of(solver("solver = \"newmark\"") + while_ + beam),
             "a.toml:2: fem.solver = \"newmark\"; the step is missing; add time.fem_step; a thirtieth of the shortest "
             "period that matters is accurate to half a per cent");
-  EXPECT_EQ(
-      error_of(solver("solver = \"static\"") + while_ + beam + grains + one_grain),
-      "a.toml:13: grains; fem.solver = \"static\" goes without grains, whose contacts need explicit steps; remove "
-      "the grains, or set fem.solver = \"explicit\"");
+  EXPECT_EQ(error_of(solver("solver = \"static\"") + while_ + beam + grains + one_grain),
+            "a.toml:13: grains; fem.solver = \"static\" goes without grains, which need bodies that move; remove "
+            "the grains, or set fem.solver = \"explicit\" or \"newmark\"");
   EXPECT_EQ(error_of(solver("solver = \"modal\"") + while_ + beam),
             "a.toml:3: stage.while; fem.solver = \"modal\" goes through no time; remove the stages");
   EXPECT_EQ(error_of(solver("solver = \"modal\"") + beam + pull),
