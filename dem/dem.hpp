@@ -214,7 +214,8 @@ class Simulation {
   /// likewise.
   virtual void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities) = 0;
   /// Nodal impulse [N s] that the grains passed to the mesh during the last advance(): sum over its steps of
-  /// (nodal force at the step's end) × dt, the contact force carried to the nodes by the facet's shape functions.
+  /// (nodal force at the step's end) × dt, the contact force carried to the nodes by the shape functions of the
+  /// facet, or of the face of the second order that it is a part of.
   virtual void nodal_impulse(int wall, std::span<Vec3> impulse) const = 0;
   /// Sum of the impulses that the grains received from that mesh in the last advance(), counted on the grains' side.
   virtual Vec3 wall_impulse_on_grains(int wall) const = 0;
