@@ -224,7 +224,8 @@ class Simulation {
   virtual void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities,
                                MeshWay = MeshWay::line) = 0;
   /// Nodal impulse [N s] that the grains passed to the mesh during the last advance(): sum over its steps of
-  /// (nodal force at the step's end) × dt, the contact force carried to the nodes by the facet's shape functions.
+  /// (nodal force at the step's end) × dt, the contact force carried to the nodes by the shape functions of the
+  /// facet, or of the face of the second order that it is a part of.
   virtual void nodal_impulse(int wall, std::span<Vec3> impulse) const = 0;
   /// Springs of the live contacts on the nodes of a mesh, each contact's shared out by the facet's shape functions.
   virtual std::vector<NodeSpring> node_springs(int wall) const = 0;

@@ -171,12 +171,13 @@ TRACKBED_HD inline FaceContact closest_on_face(const Vec3* x, int nodes, const V
   FaceContact best;
   double distance2 = reach * reach;
   double u = r, v = s;
-  bool found = surface.search(true, u, v) && detail::inside_face(nodes, u, v);
-  if (!found) {
+  bool converged = surface.search(true, u, v);
+  if (!converged) {
     u = r;
     v = s;
-    found = surface.search(false, u, v) && detail::inside_face(nodes, u, v);
+    converged = surface.search(false, u, v);
   }
+  const bool found = converged && detail::inside_face(nodes, u, v);
   if (found) {
     const base::FaceShapes shapes = base::face_shapes(nodes, u, v);
     Vec3 point;

@@ -86,6 +86,8 @@ TEST(FemRanks, OneModelOnAnyNumberOfRanks) {
   for (int s = 0; s < 2; ++s) {
     const auto& skin = alone->skins()[s];
     ASSERT_EQ(together->skins()[s].facets, skin.facets);
+    ASSERT_EQ(together->skins()[s].faces, skin.faces);
+    ASSERT_EQ(together->skins()[s].face_of, skin.face_of);
     ASSERT_EQ(together->skins()[s].nodes.size(), skin.nodes.size());
     const auto all = alone->owned_skin_nodes(s), mine = together->owned_skin_nodes(s);
     std::vector<Vec3> places(all.size()), velocities(all.size()), here(mine.size()), here_velocities(mine.size());

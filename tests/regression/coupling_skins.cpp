@@ -66,7 +66,7 @@ probe_interval = "0.1 ms"
 }
 
 // In windows of one step of either side momentum and work pass to rounding, and the ledger closes with the error of the
-// steps (measured: 2e-6 to 3e-6 of what passes, a quarter of it with half the step). With the overlap taken on plane
+// steps (measured: 1.5e-6 to 3e-6 of what passes, a quarter of it with half the step). With the overlap taken on plane
 // parts and the motion and work at the face's nodes, the ledger would miss the force times what the faces bend.
 TEST(Skins, OfTheSecondOrderKeepMomentumAndEnergy) {
   for (const char* element : {"hex20", "hex20_reduced", "tet10"}) {

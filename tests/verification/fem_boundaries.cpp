@@ -2,6 +2,7 @@
 // and exact motions.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -161,8 +162,8 @@ TEST(FemStiffnessDamping, IsViscosityInProportion) {
   EXPECT_NEAR(tip[1].z, tip[0].z, 1e-12 * std::abs(tip[0].z));
 }
 
-// Skins of second-order elements: plane parts through the middles. Their area is the face's, they look outwards, and
-// forces on their nodes arrive whole.
+// Skins of second-order elements: faces with their middles, and plane parts through the middles. Their area is the
+// face's, they look outwards, and forces on their nodes arrive whole.
 TEST(FemSkins, OfTheSecondOrder) {
   for (const char* element : {"tet10", "hex20"}) {
     auto body = fem_test::box(element, {0.6, 0.2, 0.2, 3, 1, 1});
@@ -179,6 +180,20 @@ TEST(FemSkins, OfTheSecondOrder) {
       area += normal.z;
     }
     EXPECT_NEAR(area, 0.12, 1e-12);
+    const int corners = std::string(element) == "hex20" ? 4 : 3;
+    EXPECT_EQ(skin.faces.size(), corners == 4 ? 3u : 6u);
+    for (const auto& face : skin.faces) {
+      for (int a = 0; a < corners; ++a) {
+        const auto middle = (skin.nodes[face[a]] + skin.nodes[face[(a + 1) % corners]]) * 0.5;
+        EXPECT_LT(base::norm(skin.nodes[face[corners + a]] - middle), 1e-12);
+      }
+    }
+    ASSERT_EQ(skin.face_of.size(), skin.facets.size());
+    for (std::size_t f = 0; f < skin.facets.size(); ++f) {
+      const auto& face = skin.faces.at(skin.face_of[f]);
+      for (const int node : skin.facets[f])
+        EXPECT_TRUE(node < 0 || std::find(face.begin(), face.end(), node) != face.end());
+    }
     model->set_skin_forces(0, std::vector<Vec3>(model->owned_skin_nodes(0).size(), {0, 0, -100}));
     const double dt = 0.5 * model->stable_step().limit;
     for (int i = 0; i < 20; ++i) fem_test::step(*model, dt);
