@@ -19,10 +19,12 @@
 // (grain, node, its body's spring, force and skin under way), which is found by making that window with each unit
 // state:
 //   zeta = - ln(growth) / (omega W),  omega^2 = lambda_grain + lambda_node
-// is the damping ratio that contacts have: windows with zeta < - 0.2 are too long (8 of them to a contact's period),
-// above that a lag is an error of accuracy, which zeta and the ledger's interface tell. Body frequencies from 0 to
-// omega_body are tried. Source: Hughes, The Finite Element Method (2000), 9.1 and 9.2 (amplification matrices).
-// Validity: contacts as they are now, linearised; a window between contacts that come and go gains less.
+// is the damping ratio that contacts have; short windows have zeta = - tau omega / 2 lambda_node / (lambda_grain +
+// lambda_node), as the force is late on the node's side only. Windows with zeta < - 0.1, from which a contact leaves
+// with nearly twice its energy, are too long, and those above 2 / omega; below that a lag is an error of accuracy,
+// which zeta and the ledger's interface tell. Body frequencies from 0 to omega_body are tried. Source: Hughes, The
+// Finite Element Method (2000), 9.1 and 9.2 (amplification matrices). Validity: contacts as they are now, linearised; a
+// window between contacts that come and go gains less.
 #include "coupling/window.hpp"
 
 namespace coupling {
@@ -34,6 +36,8 @@ struct SkinContacts {
   bool implicit_body = false;            // Newmark's average acceleration
 };
 
+/// Both sides take one step with forces of one instant.
+bool is_one_step_of_the_whole(const Window&, const CouplingSettings&, const SkinContacts&);
 /// Largest factor by which a state grows over one window: the spectral radius of its map.
 double growth(const Window&, const CouplingSettings&, const SkinContacts&);
 /// Damping ratio of the contacts over such a window; negative: they gain energy.

@@ -53,7 +53,7 @@ class RunLoop {
   void guard_flight();
   // run_loop_limits.cpp
   void obey_contacts();
-  double judge_window();
+  double judge_window(double grain_limit);
   std::string remedy() const;
   void write_picture();
   std::unique_ptr<dem::Writer> make_writer(std::span<const dem::Grain> reference) const;

@@ -25,7 +25,7 @@ void RunLoop::obey_contacts() {
       smallest_contact_step_ = bounds[0];
       summary_.coupling_limiter = fmt::format("{:.4g} s: {}", bounds[0], limit.limiter);
     }
-    if (setup_.exchange) bounds[1] = judge_window();
+    if (setup_.exchange) bounds[1] = judge_window(limit.limit);
   }
   if (setup_.roles->size > 1) MPI_Bcast(bounds.data(), 2, MPI_DOUBLE, setup_.roles->dem_rank, setup_.roles->world);
   if (setup_.scene.time.force_step) return;
@@ -44,8 +44,8 @@ void RunLoop::obey_contacts() {
 }
 
 /// The longest window [s] for the contacts on the skins, 0: none. It is found anew where they are pressed harder than
-/// ever before, or the window has other steps.
-double RunLoop::judge_window() {
+/// ever before, or the window has other steps. grain_limit: step [s] that the grains' contacts allow.
+double RunLoop::judge_window(double grain_limit) {
   SkinContacts now;
   base::Vec3 place;
   std::string body;
@@ -63,20 +63,23 @@ double RunLoop::judge_window() {
   }
   const Window& window = setup_.window;
   if (now.node > 0) {
-    const double grains = setup_.grains->contact_stable_step().limit;
-    now.grain = 4 / (grains * grains);
+    now.grain = 4 / (grain_limit * grain_limit);
     now.implicit_body = !setup_.scene.is_explicit();
     const double bodies = setup_.fem_limit.limit;
     now.body = std::isfinite(bodies) && bodies > 0 ? 4 / (bodies * bodies) : 0;
     constexpr double harder = 1.05;
     const bool same = judged_.n_dem == window.n_dem && judged_.n_fem == window.n_fem;
     if (!same || now.grain + now.node > harder * (judged_.contacts.grain + judged_.contacts.node)) {
-      const double longest = longest_window(window, setup_.scene.coupling, now);
-      judged_ = {now, window.n_dem, window.n_fem, longest, damping_ratio(window, setup_.scene.coupling, now)};
-      summary_.window_limiter = fmt::format(
-          "{:.4g} s, a window of {} : {}: contacts at the node of {} at ({:.4g}, {:.4g}, {:.4g}) m; damping ratio of "
-          "the contacts {:.2g} at {:.3g} s",
-          longest, window.n_dem, window.n_fem, body, place.x, place.y, place.z, judged_.damping_ratio, window.length());
+      const auto& settings = setup_.scene.coupling;
+      const bool whole = is_one_step_of_the_whole(window, settings, now);
+      judged_ = {now, window.n_dem, window.n_fem, longest_window(window, settings, now),
+                 whole ? 0 : damping_ratio(window, settings, now)};
+      summary_.window_limiter =
+          fmt::format("{:.4g} s, a window of {} : {}: contacts at the node of {} at ({:.4g}, {:.4g}, {:.4g}) m",
+                      judged_.longest, window.n_dem, window.n_fem, body, place.x, place.y, place.z);
+      if (!whole)
+        summary_.window_limiter += fmt::format("; damping ratio of the contacts {:.2g} with a window of {:.3g} s",
+                                               judged_.damping_ratio, window.length());
       constexpr double to_speak_of = -0.01, worse = 1.5;
       if (judged_.damping_ratio < std::min(to_speak_of, worse * warned_)) {
         warned_ = judged_.damping_ratio;

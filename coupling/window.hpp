@@ -8,7 +8,7 @@
 // of each DEM step; the mean over the window, held over it, acts in a body's step of dt_fem around its end:
 //   tau = (W / 2) (1 / n_fem - 1 / n_dem)      sequential
 //   tau = (W / 2) (1 / n_fem - 1 / n_dem) + W  concurrent
-// A contact of stiffness k whose force is late by tau works as a dashpot -k tau between grain and body: over a contact
+// A contact of stiffness k whose force is late by tau works on the body as a dashpot -k tau beside it: over a contact
 // the energy of the interface is wrong by tau times the integral of (dF/dt) v, v the velocity of the skin along F.
 // First order in W, but for n_dem = n_fem in the sequential scheme, where tau = 0; at 1 : 1 both sides then use forces
 // of one instant. tau < 0 (bodies finer): a dashpot + k |tau|.

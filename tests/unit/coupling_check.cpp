@@ -94,6 +94,33 @@ TEST(Check, BodiesAloneStartNoGrains) {
   expect_in(text, "0 DEM steps");
 }
 
+// A linear spring k on a node of mass M, 1 : 1: 2 / sqrt(k / M), the block next to no spring of its own. 10 : 1: the
+// force acts (1 - 1/10) / 2 of a window late.
+TEST(Check, CoupledLimitAndLagAreSaid) {
+  const std::string mesh = std::string(TRACKBED_SOURCE_FOLDER) + "/meshes/box.geo";
+  const std::string block = "[[body]]\nname = \"block\"\nmesh = \"" + mesh +
+                            "\"\nmesh_parameters = { length = 0.1, width = 0.1, height = 0.1, cells_x = 1, cells_y = "
+                            "1, cells_z = 1 }\nskin = [\"z_max\"]\n[[body.material]]\nyoung_modulus = 20\n"
+                            "poisson_ratio = 0.0\ndensity = 20\n";
+  const std::vector<coupling::Override> linear{{"grains.law", "linear"},
+                                               {"grains.normal_stiffness", "1e5 N/m"},
+                                               {"grains.shear_stiffness", "1e4 N/m"},
+                                               {"time.dem_step", "0.1 ms"},
+                                               {"time.fem_step", "1 ms"},
+                                               {"coupling.n_fem", "1"}};
+  auto with = linear;
+  with.push_back({"coupling.n_dem", "1"});
+  const std::string text = check_of(one_grain + block, with);
+  expect_in(text, "  contact forces act on the bodies 0 s late\n");
+  expect_in(text,
+            "  coupled limit at block: window of at most 0.0003162 s with one contact of 1e+05 N/m at a node of "
+            "0.0025 kg\n");
+  with = linear;
+  with.push_back({"coupling.n_dem", "10"});
+  expect_in(check_of(one_grain + block, with), "  contact forces act on the bodies 0.00045 s late\n");
+  expect_in(check_of(one_grain + block), "  coupled limit at block: from the contacts, as they press\n");
+}
+
 TEST(Check, StepAboveTheLimitIsRefused) {
   expect_in(check_of(one_grain, {{"time.dem_step", "1 s"}}), "time.dem_step = 1 s; must be at most the stable step ");
   expect_in(check_of(one_grain, {{"time.dem_step", "1 s"}, {"time.force_step", "true"}}), "at most 1 s is used");

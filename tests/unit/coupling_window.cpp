@@ -48,7 +48,8 @@ TEST(CoupledStep, HeldForcesGrowAsTheTwoByTwoMatrixHasIt) {
   }
 }
 
-// Short windows: a lag tau is a dashpot - k tau, zeta = - tau omega / 2; a dashpot k tau of the contact takes it away.
+// Short windows: a lag tau is a dashpot - k tau on the node's side, which has the share lambda_node / omega^2 = 0.6 of
+// the motion: zeta = - 0.6 tau omega / 2; a dashpot 0.6 k tau of the contact takes it away.
 TEST(CoupledStep, LagIsANegativeDashpot) {
   struct Case {
     int n_dem, n_fem;
@@ -61,12 +62,12 @@ TEST(CoupledStep, LagIsANegativeDashpot) {
         Case{1, 10, Scheme::concurrent, 0.55}})
     for (const auto motion : {SkinMotion::linear, SkinMotion::quadratic}) {
       const CouplingSettings settings{.scheme = scheme, .skin_motion = motion};
-      const double W = 0.05, expected = -0.5 * lag * W;  // omega = 1
+      const double W = 0.05, expected = -0.6 * 0.5 * lag * W;  // omega = 1
       SkinContacts contacts{.grain = 0.4, .node = 0.6};
       EXPECT_NEAR(damping_ratio(window(n_dem, n_fem, W), settings, contacts), expected, 0.06 * std::abs(expected))
           << n_dem << " : " << n_fem;
       if (lag < 0) continue;
-      contacts.dashpot = lag * W;
+      contacts.dashpot = 0.6 * lag * W;
       EXPECT_NEAR(damping_ratio(window(n_dem, n_fem, W), settings, contacts), 0, 0.06 * std::abs(expected))
           << n_dem << " : " << n_fem;
     }
@@ -78,8 +79,8 @@ TEST(CoupledStep, LateForcesShortenTheWindow) {
   const double sequential = longest_window(window(10, 1, 0.1), {}, contacts);
   EXPECT_LT(concurrent, sequential);
   EXPECT_LT(sequential, 2);
-  // zeta = - tau omega / 2 = - 0.2 in the limit of short windows
-  EXPECT_NEAR(concurrent, 0.4 / 1.45, 0.1);
+  // zeta = - 0.6 tau omega / 2 = - 0.1 in the limit of short windows
+  EXPECT_NEAR(concurrent, 0.2 / (0.6 * 1.45), 0.05);
   SkinContacts damped = contacts;
   damped.dashpot = 0.4;
   EXPECT_GT(longest_window(window(10, 1, 0.1), {.scheme = Scheme::concurrent}, damped), concurrent);

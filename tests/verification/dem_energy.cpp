@@ -12,7 +12,7 @@ namespace {
 
 using dem::Vec3;
 
-enum class Floor { plane, rising_mesh, shaking_mesh };
+enum class Floor { plane, rising_mesh, shaking_mesh, shaking_on_parabolas };
 
 base::Skin sheet(double side, int cells) {
   base::Skin skin;
@@ -56,6 +56,7 @@ double ledger_error(Floor floor, double rolling, double damping) {
   const int wall = floor == Floor::plane ? sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0) : sim->add_mesh(mesh, 0, false);
   if (floor == Floor::rising_mesh) sim->set_wall_velocity(wall, {0.02, 0, 0.1});
 
+  const bool parabolas = floor == Floor::shaking_on_parabolas, shakes = floor == Floor::shaking_mesh || parabolas;
   const double dt = 4e-5;
   const int window = 5, windows = 2000;
   const double start = sim->energy().stored();
@@ -63,17 +64,18 @@ double ledger_error(Floor floor, double rolling, double damping) {
   std::vector<Vec3> velocity(target.size()), impulse(target.size());
   double unbalanced = 0, passed = 0;
   for (int k = 1; k <= windows; ++k) {
-    if (floor == Floor::shaking_mesh) {
+    if (shakes) {
       const double omega = 2 * std::numbers::pi * 20, amplitude = 2e-3;
       for (std::size_t n = 0; n < target.size(); ++n) {
         const double phase = omega * window * dt * k + 20 * mesh.nodes[n].x;
         target[n] = mesh.nodes[n] + Vec3{0, 0, amplitude * (std::sin(phase) - std::sin(20 * mesh.nodes[n].x))};
-        velocity[n] = {0, 0, amplitude * omega * std::cos(phase)};
+        const double start = parabolas ? omega * window * dt : 0;
+        velocity[n] = {0, 0, amplitude * omega * std::cos(phase - start)};
       }
-      sim->set_mesh_target(wall, target, velocity);
+      sim->set_mesh_target(wall, target, velocity, parabolas ? dem::MeshWay::parabola : dem::MeshWay::line);
     }
     sim->advance(window, dt);
-    if (floor != Floor::shaking_mesh) continue;
+    if (!shakes) continue;
     Vec3 given;
     sim->nodal_impulse(wall, impulse);
     for (const Vec3& node : impulse) given += node;
@@ -88,7 +90,7 @@ double ledger_error(Floor floor, double rolling, double damping) {
   EXPECT_EQ(e.loss_rolling > 0, rolling > 0);
   EXPECT_EQ(e.loss_damping > 0, damping > 0);
   EXPECT_EQ(e.work_walls != 0, floor == Floor::rising_mesh);
-  EXPECT_EQ(e.work_interface != 0, floor == Floor::shaking_mesh);
+  EXPECT_EQ(e.work_interface != 0, shakes);
   EXPECT_GT(sim->counts().rebuilds, 10);
   return std::abs(e.stored() - start + e.losses() - e.works()) / std::abs(e.work_gravity);
 }
@@ -97,6 +99,7 @@ TEST(DemEnergy, FallOntoPlaneCloses) { EXPECT_LT(ledger_error(Floor::plane, 0, 0
 TEST(DemEnergy, FallWithRollingAndDampingCloses) { EXPECT_LT(ledger_error(Floor::plane, 0.2, 2), 1e-3); }
 TEST(DemEnergy, FallOntoRisingMeshCloses) { EXPECT_LT(ledger_error(Floor::rising_mesh, 0, 0), 1e-3); }
 TEST(DemEnergy, FallOntoShakingMeshCloses) { EXPECT_LT(ledger_error(Floor::shaking_mesh, 0, 0), 1e-3); }
+TEST(DemEnergy, FallOntoMeshOnParabolasCloses) { EXPECT_LT(ledger_error(Floor::shaking_on_parabolas, 0, 0), 1e-3); }
 
 // Sum m v and sum (m x × v + I omega) of grains that collide with friction and nothing else around. Equal and opposite
 // forces at two different points would change the angular momentum by overlap × force, far above rounding.
