@@ -160,16 +160,18 @@ double damping_ratio(const Window& window, const CouplingSettings& settings, con
 
 double longest_window(const Window& window, const CouplingSettings& settings, const SkinContacts& contacts) {
   if (!(contacts.node > 0)) return std::numeric_limits<double>::infinity();
-  const double rate = contacts.grain + contacts.node;
   if (is_one_step_of_the_whole(window, settings, contacts)) {
-    const double omega = std::sqrt(rate + contacts.body), xi = contacts.dashpot * rate / (2 * omega);
+    const double sum = contacts.grain + contacts.node + contacts.body;
+    const double omega = std::sqrt(0.5 * (sum + std::sqrt(sum * sum - 4 * contacts.grain * contacts.body)));
+    const double xi = contacts.dashpot * contacts.node / (2 * omega);
     return 2 / omega * (std::sqrt(1 + xi * xi) - xi);
   }
-  const double alone = 2 / std::sqrt(rate);
+  const double alone = 2 / std::sqrt(contacts.node);
   double longest = alone;
   for (const double share : {0.0, 0.003, 0.03, 0.1, 0.3, 1.0}) {
     SkinContacts mode = contacts;
     mode.body *= share;
+    mode.grain = 0;
     const auto holds = [&](double length) {
       const Window tried = scaled(window, length / window.length());
       // Bodies without contacts have a limit of their own, which is not looked for here.

@@ -2,12 +2,14 @@
 // How long a coupling window may be for the contacts that press on the bodies' skins now.
 //
 // At 1 : 1 the window is one step of velocity Verlet of the whole, stable up to
-//   W = 2 / omega (sqrt(1 + xi^2) - xi),  omega^2 <= omega_body^2 + lambda_grain + lambda_node,
-//   xi = d / k (lambda_grain + lambda_node) / (2 omega), d the contacts' dashpot, whose velocities lag by half a step
+//   W = 2 / omega (sqrt(1 + xi^2) - xi),  xi = d / k lambda_node / (2 omega)
+//   omega^4 - (lambda_grain + lambda_node + omega_body^2) omega^2 + lambda_grain omega_body^2 = 0, the larger root,
+// which is omega^2 = lambda_grain + lambda_node on a soft body and never more than that + omega_body^2.
 // lambda_grain: bound of the grains' contacts with walls held still (dem/contact_step.hpp), k_c / m for one contact;
 // lambda_node: the largest sum of k_c N / M over a node's contacts, N their shape functions, M the node's mass (row
-// sums of M^-1 K; k_c sum N^2 / M for one contact of a facet of equal masses). The bound: k (x - u)^2 <= (1 + s) k x^2
-// + (1 + 1/s) k u^2 for any s > 0, taken with s = lambda_node / lambda_grain.
+// sums of M^-1 K; k_c sum N^2 / M for one contact of a facet of equal masses); d their dashpot, whose velocities lag by
+// half a step. The bound: k (x - u)^2 <= (1 + s) k x^2 + (1 + 1/s) k u^2 for any s > 0, so omega^2 is at most the
+// larger of (1 + s) lambda_grain and omega_body^2 + (1 + 1/s) lambda_node, and least where both are equal.
 //
 // With more steps on a side, or data of another window, the force acts late (window.hpp) and is sampled and held. The
 // smallest case: the node alone (mass M) against a grain that stays, n DEM steps to one FEM step over W:
@@ -21,10 +23,11 @@
 //   zeta = - ln(growth) / (omega W),  omega^2 = lambda_grain + lambda_node
 // is the damping ratio that contacts have; short windows have zeta = - tau omega / 2 lambda_node / (lambda_grain +
 // lambda_node), as the force is late on the node's side only. Windows with zeta < - 0.1, from which a contact leaves
-// with nearly twice its energy, are too long, and those above 2 / omega; below that a lag is an error of accuracy,
-// which zeta and the ledger's interface tell. Body frequencies from 0 to omega_body are tried. Source: Hughes, The
-// Finite Element Method (2000), 9.1 and 9.2 (amplification matrices). Validity: contacts as they are now, linearised; a
-// window between contacts that come and go gains less.
+// with nearly twice its energy, are too long, and those above 2 / sqrt(lambda_node); below that a lag is an error of
+// accuracy, which zeta and the ledger's interface tell. The longest such window is that of the node against a grain
+// that stays, whose steps have a limit of their own: a grain that moves takes less of the lag. Body frequencies from 0
+// to omega_body are tried. Source: Hughes, The Finite Element Method (2000), 9.1 and 9.2 (amplification matrices).
+// Validity: contacts as they are now, linearised; a window between contacts that come and go gains less.
 #include "coupling/window.hpp"
 
 namespace coupling {

@@ -90,13 +90,14 @@ class RunLoop {
   bool packing_friction_ = false;             // grains have the friction of their packing
   bool measuring_ = false, removed_ = false;  // removed: walls, at the start of this stage
   double smallest_contact_step_ = 0;
-  /// The hardest that skins have been pressed so far, and the longest window for that [s]; see obey_contacts().
+  /// How hard skins were pressed when the longest window [s] was found last; see judge_window().
   struct Judged {
     SkinContacts contacts;
     int n_dem = 0, n_fem = 0;
-    double longest = 0, damping_ratio = 0;
+    double longest = 0, damping_ratio = 0, shortest = 0;  // [s] [-] [s]
   } judged_;
-  double warned_ = 0;  // damping ratio that has been spoken of
+  double smallest_window_ = 0;  // [s] of those found
+  double warned_ = 0;           // damping ratio that has been spoken of
   int samples_since_bound_ = 0;
   double dem_seconds_ = 0, fem_seconds_ = 0, output_seconds_ = 0;
   std::int64_t windows_ = 0, dem_steps_ = 0, fem_steps_ = 0;

@@ -62,7 +62,8 @@ void RunLoop::walk(Self& self, Walk&& walk) {
   walk.text("window_limiter", self.summary_.window_limiter);
   auto& judged = self.judged_;
   walk.numbers("judged", judged.contacts.grain, judged.contacts.node, judged.contacts.body, judged.contacts.dashpot,
-               judged.contacts.implicit_body, judged.n_dem, judged.n_fem, judged.longest, judged.damping_ratio);
+               judged.contacts.implicit_body, judged.n_dem, judged.n_fem, judged.longest, judged.damping_ratio,
+               judged.shortest, self.smallest_window_);
   walk.numbers("seconds", self.dem_seconds_, self.output_seconds_);
   walk_series(self.series_, walk);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "coupling/run_loop.hpp"
 
@@ -43,18 +44,24 @@ void RunLoop::obey_contacts() {
                  summary_.window_limiter);
 }
 
-/// The longest window [s] for the contacts on the skins, 0: none. It is found anew where they are pressed harder than
-/// ever before, or the window has other steps. grain_limit: step [s] that the grains' contacts allow.
+/// The longest window [s] for the contacts on the skins, 0: none. It is found anew where they are pressed harder or
+/// less than when it was found last, or the window has other steps; the shortest of all is reported. grain_limit: step
+/// [s] that the grains' contacts allow.
 double RunLoop::judge_window(double grain_limit) {
   SkinContacts now;
   base::Vec3 place;
   std::string body;
+  double shortest = std::numeric_limits<double>::infinity();  // of a node by itself
   for (std::size_t s = 0; s < setup_.skins.size(); ++s) {
     const auto springs = setup_.grains->node_springs(setup_.skin_walls[s]);
     const auto& mobility = setup_.exchange->mobility(s);
     for (std::size_t k = 0; k < springs.size(); ++k) {
-      const double rate = springs[k].stiffness * mobility[k];
-      if (rate <= now.node) continue;
+      const double rate = springs[k].stiffness * mobility[k], omega = std::sqrt(rate);
+      if (!(rate > 0)) continue;
+      const double xi = springs[k].damping * mobility[k] / (2 * omega);
+      const double limit = 2 / omega * (std::sqrt(1 + xi * xi) - xi);
+      if (limit >= shortest) continue;
+      shortest = limit;
       now.node = rate;
       now.dashpot = springs[k].damping / springs[k].stiffness;
       place = setup_.skins[s].nodes[k];
@@ -67,13 +74,22 @@ double RunLoop::judge_window(double grain_limit) {
     now.implicit_body = !setup_.scene.is_explicit();
     const double bodies = setup_.fem_limit.limit;
     now.body = std::isfinite(bodies) && bodies > 0 ? 4 / (bodies * bodies) : 0;
-    constexpr double harder = 1.05;
+    constexpr double harder = 1.05, easier = 0.7;
+    const double ratio = (now.grain + now.node) / (judged_.contacts.grain + judged_.contacts.node);
     const bool same = judged_.n_dem == window.n_dem && judged_.n_fem == window.n_fem;
-    if (!same || now.grain + now.node > harder * (judged_.contacts.grain + judged_.contacts.node)) {
+    if (!same || !(ratio <= harder && ratio >= easier && shortest >= judged_.shortest / harder)) {
       const auto& settings = setup_.scene.coupling;
       const bool whole = is_one_step_of_the_whole(window, settings, now);
-      judged_ = {now, window.n_dem, window.n_fem, longest_window(window, settings, now),
-                 whole ? 0 : damping_ratio(window, settings, now)};
+      SkinContacts against_wall = now;
+      against_wall.grain = 0;
+      judged_ = {.contacts = now,
+                 .n_dem = window.n_dem,
+                 .n_fem = window.n_fem,
+                 .longest = longest_window(window, settings, now),
+                 .damping_ratio = whole ? 0 : damping_ratio(window, settings, against_wall),
+                 .shortest = shortest};
+      if (smallest_window_ > 0 && judged_.longest >= smallest_window_) return judged_.longest;
+      smallest_window_ = judged_.longest;
       summary_.window_limiter =
           fmt::format("{:.4g} s, a window of {} : {}: contacts at the node of {} at ({:.4g}, {:.4g}, {:.4g}) m",
                       judged_.longest, window.n_dem, window.n_fem, body, place.x, place.y, place.z);
