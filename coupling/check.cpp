@@ -257,8 +257,8 @@ std::string coupled_limit_text(const Setup& setup, const Window& window) {
     const SkinContacts contacts{
         .node = pair.normal_stiffness * lightest, .body = bodies * bodies, .implicit_body = !setup.scene.is_explicit()};
     text += fmt::format(
-        "  coupled limit at {}: window of at most {:.4g} s with one contact of {:.4g} N/m at a node of {:.4g} kg\n", skin.body,
-        longest_window(window, setup.scene.coupling, contacts), pair.normal_stiffness, 1 / lightest);
+        "  coupled limit at {}: window of at most {:.4g} s with one contact of {:.4g} N/m at a node of {:.4g} kg\n",
+        skin.body, longest_window(window, setup.scene.coupling, contacts), pair.normal_stiffness, 1 / lightest);
   }
   return text;
 }
