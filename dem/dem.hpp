@@ -163,7 +163,8 @@ struct WallContact {
   double overlap = 0;  // [m]
 };
 
-/// Contacts at a node of a mesh: tangent stiffness, the larger of normal and shear, and normal dashpot.
+/// Contacts at a node of a mesh: tangent stiffness, the larger of normal and shear, and normal dashpot, as sums
+/// |N_a| sum_b |N_b| of the shape functions N at the points of contact: row sums of the springs' matrix.
 struct NodeSpring {
   double stiffness = 0, damping = 0;  // [N/m], [N s/m]
 };

@@ -427,17 +427,23 @@ inline std::vector<NodeSpring> System::node_springs(int wall) const {
   const auto candidate = download(near_walls_.candidate);
   const auto state = download(near_walls_.state);
   const auto facets = download(walls_.facets);
+  const auto parts = download(walls_.parts);
+  const auto faces = download(walls_.faces);
+  const WallGeometry geometry{facets.data(), nullptr, nullptr, parts.empty() ? nullptr : parts.data(), faces.data()};
   for (std::size_t w = 0; w < grain.size(); ++w)
     for (int c = start[w]; c < start[w + 1]; ++c) {
-      const Facet& facet = facets[candidate[c]];
-      if (!(state[c].overlap > 0) || facet.wall != wall) continue;
+      if (!(state[c].overlap > 0) || facets[candidate[c]].wall != wall) continue;
       const int g = grain[w];
       const auto spring = spring_of(wall_parameters_host_[material[g] * materials + walls_.rows_host[wall].material],
                                     place[g].radius, motions.translation(g).number, state[c].overlap);
-      for (int k = 0; k < 4 && facet.node[k] >= 0; ++k) {
-        NodeSpring& node = springs[facet.node[k] - first];
-        node.stiffness += state[c].weights[k] * std::fmax(spring.normal_stiffness, spring.shear_stiffness);
-        node.damping += state[c].weights[k] * spring.normal_damping;
+      const Carriers carriers(geometry, candidate[c], state[c].weights);
+      double sum = 0;  // above 1 where shape functions of the second order have both signs
+      for (int k = 0; k < carriers.number && carriers.node[k] >= 0; ++k) sum += std::fabs(carriers.share[k]);
+      for (int k = 0; k < carriers.number && carriers.node[k] >= 0; ++k) {
+        NodeSpring& node = springs[carriers.node[k] - first];
+        const double share = sum * std::fabs(carriers.share[k]);
+        node.stiffness += share * std::fmax(spring.normal_stiffness, spring.shear_stiffness);
+        node.damping += share * spring.normal_damping;
       }
     }
   return springs;
