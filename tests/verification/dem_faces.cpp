@@ -129,6 +129,30 @@ Crossing cross_valley(Kind kind, bool faces, double angle) {
   return crossing;
 }
 
+// Springs of a contact at the middle of a face of eight nodes: N is -1/4 at the corners and 1/2 at the middles, so that
+// |N_a| sum |N_b| is 3/4 and 3/2; of its parts the middle quadrilateral alone carries, a quarter per node.
+TEST(DemFaces, SpringsAtNodesFollowTheShapeFunctions) {
+  const Skin skin = second_order(Kind::quadrilaterals, 1, 1, [](double u, double v) {
+    return Vec3{0.1 * u, 0.1 * v, 0};
+  });
+  const auto springs = [](const Skin& of) {
+    const auto simulation = dem::Simulation::create(smooth_setup(), dem::Backend::omp);
+    const int wall = simulation->add_mesh(of, 0, false);
+    const dem::Grain grain{.position = {0.05, 0.05, ball - overlap}, .radius = ball};
+    simulation->add_grains({&grain, 1});
+    simulation->advance(1, 1e-12);
+    return simulation->node_springs(wall);
+  };
+  const auto face = springs(skin), parts = springs(parts_alone(skin));
+  double quarter = 0;
+  for (const auto& node : parts) quarter = std::max(quarter, node.stiffness);
+  ASSERT_GT(quarter, 0);
+  for (std::size_t n = 0; n < skin.nodes.size(); ++n) {
+    const bool corner = skin.nodes[n].x != 0.05 && skin.nodes[n].y != 0.05;
+    EXPECT_NEAR(face[n].stiffness, (corner ? 3 : 6) * quarter, 1e-9 * quarter) << n;
+  }
+}
+
 }  // namespace
 
 // Irazabal2017 4.4.1, 4.4.2: a sphere that crosses an edge of a bent skin. With nodes every angle t on a circle:
