@@ -489,7 +489,9 @@ Table probe_table(const ProbeRow& row) {
       list.push_back(base::text("group", "mean over the area of this physical surface").optional("`point` instead"));
       list.push_back(base::vector("point", "m", "at the node nearest to this point").optional("`group` instead"));
       if (row.where == ProbeRow::body_stress)
-        list.push_back(base::text("component", "of the stress").among(stress_components()).otherwise("von_mises"));
+        list.push_back(base::text("component", "of the stress, over a group of its mean")
+                           .among(stress_components())
+                           .otherwise("von_mises"));
       break;
     case ProbeRow::mode:
       list.push_back(base::text("body", "name of the body"));

@@ -30,6 +30,18 @@ std::size_t expected_grains(const GrainsScene& scene) {
   return scene.packing ? 20000 : static_cast<std::size_t>(sphere_count(scene.list, scene.shapes));
 }
 
+/// Throws where a probe names a group of a body that is not there, or a mean over an area a group without one.
+void check_probes(const Scene& scene, const fem::Model& bodies) {
+  for (const Probe& probe : scene.probes) {
+    if (probe.body.empty() || probe.group.empty()) continue;
+    if (probe.kind == ProbeKind::body_stress || probe.kind == ProbeKind::body_plastic_strain) {
+      bodies.stress_at(probe.body, {std::nullopt, probe.group});
+    } else {
+      bodies.probe_group(probe.body, probe.group, fem::Quantity::displacement);
+    }
+  }
+}
+
 }  // namespace
 
 Setup::Setup(MPI_Comm world, const RunOptions& options_) : options(options_) {
@@ -41,6 +53,7 @@ Setup::Setup(MPI_Comm world, const RunOptions& options_) : options(options_) {
     bodies = fem::Model::create(roles->fem, {scene.bodies, scene.gravity, scene.solver});
     body_counts = bodies->counts();
     check_overlaps(scene, body_counts);
+    check_probes(scene, *bodies);
     fem_limit = bodies->stable_step();
     check_step("time.fem_step", scene, scene.time.fem_step, fem_limit.limit, fem_limit.limiter);
   });

@@ -173,8 +173,8 @@ const Recovery& ExplicitModel::recovery_at(int b, const Spot& spot) const {
   if (group && group->facets.empty()) {
     recoveries_.erase(place);
     throw base::UserError(
-        fmt::format("{}: probe.group = \"{}\" is not a surface; a mean over an area needs a physical surface",
-                    body.origin, spot.group));
+        fmt::format("{}probe.group = \"{}\" is not a surface; a mean over an area needs a physical surface",
+                    message_head(body.origin, body.name), spot.group));
   }
   // the first rank has all elements
   if (layout_.rank == 0)

@@ -5,6 +5,7 @@
 #include <gmsh.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <set>
@@ -151,14 +152,19 @@ void read_cells(const std::string& head, const Body& body, RawMesh& mesh, Number
       fmt::format("{}mesh = \"{}\" holds no volume cells; it needs a meshed physical volume", head, body.mesh_file));
 }
 
-void read_nodes(RawMesh& mesh, const Numbering& numbering) {
+void read_nodes(RawMesh& mesh, const Numbering& numbering, const Body& body, const std::string& head) {
   std::vector<std::size_t> tags;
   std::vector<double> coordinates, parametric;
   gmsh::model::mesh::getNodes(tags, coordinates, parametric);
   mesh.nodes.resize(numbering.size());
   for (std::size_t i = 0; i < tags.size(); ++i) {
     const int node = numbering.find(tags[i]);
-    if (node >= 0) mesh.nodes[node] = {coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]};
+    if (node < 0) continue;
+    const double* x = coordinates.data() + 3 * i;
+    base::require_user(std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]),
+                       fmt::format("{}mesh = \"{}\": node {} lies at ({}, {}, {}) m; coordinates must be numbers", head,
+                                   body.mesh_file, tags[i], x[0], x[1], x[2]));
+    mesh.nodes[node] = {x[0], x[1], x[2]};
   }
 }
 
@@ -242,7 +248,7 @@ RawMesh read_with_gmsh(const Body& body) {
   RawMesh mesh;
   Numbering numbering;
   read_cells(head, body, mesh, numbering);
-  read_nodes(mesh, numbering);
+  read_nodes(mesh, numbering, body, head);
   read_groups(mesh, numbering);
   return mesh;
 }

@@ -33,32 +33,65 @@ class Neighbours {
   std::vector<int> start_, elements_;
 };
 
-Recovery recovery_at(const Mesh& mesh, const Neighbours& neighbours, int node) {
-  constexpr double determined = 0.01;  // smallest over largest moment of the centres
-  std::set<int> nodes{node};
-  std::size_t before = 0;
-  while (true) {
-    const auto elements = neighbours.with(nodes);
-    Eigen::MatrixX3d centres(elements.size(), 3);
+/// Elements of one material, and in how many directions their centres tell a slope: those in which they lie apart by
+/// as much as an element is long.
+struct Patch {
+  static constexpr double determined = 0.4;  // moment of the centres over that of an element's nodes, two layers: 1
+
+  Patch(const Mesh& mesh, std::vector<int> given) : elements(std::move(given)), centres(elements.size(), 3) {
+    Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
     for (std::size_t i = 0; i < elements.size(); ++i) {
       const Vec3 centre = mesh.centre(elements[i]);
       centres.row(static_cast<Eigen::Index>(i)) << centre.x, centre.y, centre.z;
+      for (int a = 0; a < mesh.element_nodes; ++a) {
+        const Vec3 arm = mesh.nodes[mesh.element(elements[i])[a]] - centre;
+        const Eigen::Vector3d from(arm.x, arm.y, arm.z);
+        own += from * from.transpose();
+      }
     }
-    const Eigen::RowVector3d mean = centres.colwise().mean();
+    mean = centres.colwise().mean();
     centres.rowwise() -= mean;
-    const Eigen::Matrix3d moments = centres.transpose() * centres;
-    const Eigen::Vector3d sizes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moments).eigenvalues();
-    if (sizes[0] > determined * sizes[2] || elements.size() == before) {
-      const Vec3& place = mesh.nodes[node];
-      const Eigen::Vector3d from = Eigen::Vector3d(place.x, place.y, place.z) - mean.transpose();
-      const Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> inverse(moments);
-      const Eigen::VectorXd weights =
-          (centres * inverse.solve(from)).array() + 1 / static_cast<double>(elements.size());
-      return {elements, {weights.data(), weights.data() + weights.size()}};
-    }
-    before = elements.size();
-    for (const int e : elements) nodes.insert(mesh.element(e), mesh.element(e) + mesh.element_nodes);
+    const double number = static_cast<double>(elements.size());
+    const Eigen::Matrix3d apart = centres.transpose() * centres / number;
+    axes.compute(apart, own / (number * mesh.element_nodes));
   }
+
+  bool tells(int axis) const { return axes.eigenvalues()[axis] > determined; }
+  int slopes() const { return tells(0) + tells(1) + tells(2); }
+
+  Recovery recovery(const Vec3& place) const {
+    const Eigen::Vector3d from = Eigen::Vector3d(place.x, place.y, place.z) - mean.transpose();
+    Eigen::VectorXd weights = Eigen::VectorXd::Ones(centres.rows());
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d axis = axes.eigenvectors().col(i);
+      if (tells(i)) weights += from.dot(axis) / axes.eigenvalues()[i] * (centres * axis);
+    }
+    weights /= static_cast<double>(elements.size());
+    return {elements, {weights.data(), weights.data() + weights.size()}};
+  }
+
+  std::vector<int> elements;
+  Eigen::MatrixX3d centres;
+  Eigen::RowVector3d mean;
+  Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+};
+
+Recovery recovery_at(const Mesh& mesh, const Neighbours& neighbours, int node) {
+  auto around = neighbours.with({node});
+  const int material = mesh.regions[around.front()];
+  const auto of_others = [&](int e) { return mesh.regions[e] != material; };
+  std::erase_if(around, of_others);
+  Patch patch(mesh, around);
+  while (patch.slopes() < 3) {  // a ring more, as long as that tells more
+    std::set<int> nodes;
+    for (const int e : patch.elements) nodes.insert(mesh.element(e), mesh.element(e) + mesh.element_nodes);
+    around = neighbours.with(nodes);
+    std::erase_if(around, of_others);
+    Patch wider(mesh, around);
+    if (wider.slopes() <= patch.slopes()) break;
+    patch = std::move(wider);
+  }
+  return patch.recovery(mesh.nodes[node]);
 }
 
 }  // namespace

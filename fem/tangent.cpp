@@ -169,7 +169,9 @@ void Tangent::assemble(Mat matrix, const State* state) const {
           const PetscInt place = 3 * layout_.petsc_of_global[layout_.global_of_local[node]] + i % 3;
           const bool held = held_[3 * static_cast<std::size_t>(node) + i % 3];
           places[i] = held ? -1 : place;  // PETSc leaves negative ones out
-          if (held) check_petsc(MatSetValue(matrix, place, place, element[i * size + i], ADD_VALUES));
+          // a held row stands alone; it must have a number where a law has no stiffness left (an apex)
+          const double alone = std::max(element[i * size + i], 1.0);
+          if (held) check_petsc(MatSetValue(matrix, place, place, alone, ADD_VALUES));
         }
         check_petsc(MatSetValues(matrix, size, places.data(), size, places.data(), element, ADD_VALUES));
       }

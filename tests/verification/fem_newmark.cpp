@@ -163,6 +163,27 @@ TEST(Newmark, DrivenEnd) {
   EXPECT_LT(std::abs(fine[1]), 0.3 * std::abs(coarse[1]));
 }
 
+// A block between rollers is pulled until all of it is at the apex, sigma = c / tan phi from all sides, where the law
+// has no stiffness left: nodes that are held or led are no part of the equations, and the steps go on.
+TEST(Newmark, PullsToTheApex) {
+  auto body = fem_test::box("hex8", {1, 1, 1, 1, 1, 2});
+  body.materials = {{"", "drucker_prager", 60e6, 0.3, 1800, ""}};
+  body.materials[0].cohesion = 10e3;
+  body.materials[0].friction_angle = body.materials[0].dilation_angle = std::numbers::pi / 6;
+  body.supports = {{"solid", {true, true, false}, ""}, {"z_min", {false, false, true}, ""}};
+  fem::PrescribedMotion pull;
+  pull.name = "pull";
+  pull.group = "z_max";
+  pull.along = {false, false, true};
+  pull.history = fem_test::history([](double t) { return 0.01 * t; });
+  body.motions = {pull};
+  const auto model = fem::Model::create(MPI_COMM_SELF, newmark(body));
+  for (int i = 0; i < 400; ++i) fem_test::step(*model, 1e-3);
+  const double apex = 10e3 * std::sqrt(3.0);
+  EXPECT_NEAR(-model->reaction("box", "z_min").z, apex, 1e-3 * apex);
+  EXPECT_NEAR(model->stress_at("box", {std::nullopt, "z_max"})[0], apex, 1e-3 * apex);
+}
+
 // Plastic steps: the implicit scheme goes where the explicit one goes at a tiny step.
 TEST(Newmark, YieldsAsTheExplicitSolver) {
   auto body = beam();

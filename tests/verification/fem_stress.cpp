@@ -27,6 +27,23 @@ TEST(Stress, LinearFieldIsRecoveredAtEveryNode) {
   }
 }
 
+// One cell across, or cells twenty times as long as thick: the slope across is not told, and the patch stays small, so
+// that a wave is seen where it is; at the end the slope along the bar leads to the face.
+TEST(Stress, BarOfOneCellAcross) {
+  for (const double width : {0.01, 2.0}) {
+    const auto mesh = fem::read_mesh(MPI_COMM_SELF, fem_test::box("hex8", {20, width, width, 100, 1, 1}));
+    const auto field = [](const base::Vec3& x) { return 3 - 2 * x.x; };
+    for (int node = 0; node < static_cast<int>(mesh.nodes.size()); ++node) {
+      const auto recovery = fem::recovery_at(mesh, node);
+      EXPECT_EQ(recovery.elements.size(), 2u);
+      double value = 0;
+      for (std::size_t i = 0; i < recovery.elements.size(); ++i)
+        value += recovery.weights[i] * field(mesh.centre(recovery.elements[i]));
+      EXPECT_NEAR(value, field(mesh.nodes[node]), 1e-9) << node;
+    }
+  }
+}
+
 // The mean over a face of a field that is linear in space is its value at the face's centre.
 TEST(Stress, MeanOverAFace) {
   for (const char* element : {"tet4", "tet10", "hex8", "hex20"}) {
