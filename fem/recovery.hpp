@@ -7,7 +7,7 @@
 // the elements around a node is that of half a layer below. The patch grows by a ring as long as that tells the slope
 // in another direction; in bodies of one layer it stays level across. At a boundary between materials: the stress of
 // the one that the mesh lists first. In bending the stress of tet4 alternates between neighbours (by up to the
-// change over a cell): there it is some percent off, with tet10 and hexahedra it is not.
+// change over a cell): there it is a percent off on ten cells over the height, with tet10 and hexahedra it is not.
 #include <vector>
 
 #include "fem/mesh.hpp"
