@@ -40,8 +40,9 @@ void RunLoop::obey_contacts() {
   if (!keeps(step, bounds[0]))
     spdlog::info("t = {:.4g} s: DEM step shortened to {:.3g} s by the live contacts", time_, setup_.window.dt_dem);
   if (!keeps(window, bounds[1]))
-    spdlog::info("t = {:.4g} s: window shortened to {:.3g} s by the live contacts: {}", time_, setup_.window.length(),
-                 summary_.window_limiter);
+    spdlog::info(
+        "t = {:.4g} s: window shortened to {:.3g} s by the live contacts, which allow {:.4g} s; least so far: {}",
+        time_, setup_.window.length(), bounds[1], summary_.window_limiter);
 }
 
 /// The longest window [s] for the contacts on the skins, 0: none. It is found anew where they are pressed harder or
