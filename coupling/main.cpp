@@ -123,6 +123,8 @@ int list(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // VTK's threads find 0 or -0 the smallest of a range by chance. (Its header of SetBackend is not C++20.)
+  setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 1);
   spdlog::set_pattern("%v");  // until a run opens its own log
   Arguments arguments;
   CLI::App app("Ballasted railway track: grains (DEM) and solids (FEM), coupled.", "trackbed");
