@@ -17,6 +17,7 @@
 #include "base/vec3.hpp"
 #include "dem/bond.hpp"
 #include "dem/clump.hpp"
+#include "dem/company.hpp"
 
 namespace dem {
 
@@ -133,6 +134,11 @@ struct Setup {
   /// jump by a period. Walls do not repeat: a floor must reach beyond the faces by the largest grain, planes must not
   /// cut the direction. Each length at least 4 times the largest grain's radius (a clump's reach) plus the skin twice.
   std::array<Period, 3> periods{};
+  /// Not null: this simulation is one part of company->parts(); it must outlive the simulation. All parts make the same
+  /// calls in the same order. add_grains() is given all grains everywhere and takes its own; what is measured is of this
+  /// part, a contact with a ghost of the part whose grain has the lower id. A period along x is at least
+  /// 2 parts; bonds are refused.
+  Company* company = nullptr;
 };
 
 struct StableStep {
