@@ -65,7 +65,8 @@ struct JoinRadii {
   }
 };
 
-/// Rows of grains. `place`, `motion` and `pull` may end with spare rows that belong to no grain.
+/// Rows of grains. Ghosts (ghosts.hpp) may stand behind them, in `material` and `old_of_new` too; then `place`, `motion`
+/// and `pull` may end with spare rows that belong to no grain.
 struct Grains {
   bool own_state = true;  // false: bodies own it (bodies.hpp), and `state` and `pull`s between steps are theirs
   int parts = 2;          // 1: nothing rotates
@@ -101,10 +102,10 @@ struct Grains {
     if (own_state) append(state, states, parts * before);
     append(motion, states, parts * before);
     append(pull, std::vector<Quad>(states.size()), parts * before);
-    append(material, materials);
+    append(material, materials, before);
     append(id, ids);
     if (own_state && !ledger.empty()) ledger.resize(id.size());
-    append(old_of_new, std::vector<int>(grains.size(), -1));
+    append(old_of_new, std::vector<int>(grains.size(), -1), before);
   }
 
   /// New grain k is the present grain order[k]; grains that are not named are gone.
@@ -128,9 +129,9 @@ struct Grains {
     keep(order);
   }
 
-  /// Rows past the grains that touch nothing: of images, until these are put in their places, and spare ones.
-  void make_spare_rows(int rows) {
-    const std::size_t n = id.size();
+  /// Rows past the first n that touch nothing: of images, until these are put in their places, and spare ones.
+  void make_spare_rows(int grains_and_ghosts, int rows) {
+    const auto n = static_cast<std::size_t>(grains_and_ghosts);
     append(place, std::vector<Place>(rows, {{}, -1}), n);
     append(motion, std::vector<Quad>(parts * rows, {{}, 1}), parts * n);
     append(pull, std::vector<Quad>(parts * rows), parts * n);

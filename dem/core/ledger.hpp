@@ -6,13 +6,16 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 
 struct SumPairs {  // loss_friction, loss_damping, elastic_normal, elastic_shear, loss_rolling
   const ContactLedger* ledger;
+  const int* second;
+  int first_ghost;  // the other half of a pair with a ghost counts elsewhere
   TRACKBED_HD void operator()(int c, Sums<5>& s) const {
     const ContactLedger& l = ledger[c];
-    s.value[0] += l.loss_friction;
-    s.value[1] += l.loss_damping;
-    s.value[2] += l.elastic_normal;
-    s.value[3] += l.elastic_shear;
-    s.value[4] += l.loss_rolling;
+    const double share = second[c] < first_ghost ? 1 : 0.5;
+    s.value[0] += share * l.loss_friction;
+    s.value[1] += share * l.loss_damping;
+    s.value[2] += share * l.elastic_normal;
+    s.value[3] += share * l.elastic_shear;
+    s.value[4] += share * l.loss_rolling;
   }
 };
 struct ClearPairLosses {

@@ -118,6 +118,7 @@ struct CarryPairs {
   int* pair;  // null: one material
   const int* old_of_new;
   const int *old_start, *old_second;  // null: there was no list
+  int old_rows;                       // own ones
   const double* old_history;
   double* history;
   int old_stride, stride;                     // numbers per pair
@@ -136,6 +137,7 @@ struct CarryPairs {
     const int a = old_of_new[i], b = old_of_new[j];
     if (!old_start || a < 0 || b < 0) return;
     const int low = a < b ? a : b, high = a < b ? b : a;
+    if (low >= old_rows) return;
     const int old = find_sorted(old_second, old_start[low], old_start[low + 1], high);
     if (old < 0 || !(old_result[old].half_overlap > 0)) return;
     result[c] = old_result[old];

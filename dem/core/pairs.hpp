@@ -82,6 +82,7 @@ inline PairColumns build_pairs(const Grains& grains, const PairSearch& search, c
                            .old_of_new = pointer(grains.old_of_new),
                            .old_start = pointer(old.own_start),
                            .old_second = pointer(old.second),
+                           .old_rows = static_cast<int>(old.own_start.size()) - 1,
                            .old_history = pointer(old.history),
                            .history = pointer(list.history),
                            .old_stride = old.history_stride,

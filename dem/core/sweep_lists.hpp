@@ -97,7 +97,7 @@ class SweepLists {
     const int number = static_cast<int>(ranges_.size());
 #pragma omp parallel for schedule(static, 1)
     for (int t = 0; t < number; ++t)
-      fill(ranges_[t], grains.size() + images_.size() + t, grains, tight, old_layout, renumbered);
+      fill(ranges_[t], images_.first + images_.size() + t, grains, tight, old_layout, renumbered);
     old_.clear();
   }
 
@@ -157,6 +157,20 @@ class SweepLists {
             visit(lists[k].first[c], lists[k].second[c], history, layout_.numbers[k].total);
           }
       }
+  }
+
+  /// The pair of grains a and b, if it is listed, remembers this from now on.
+  void recall(int a, int b, int kind, int numbers, const double* history) {
+    const int low = std::min(a, b), high = std::max(a, b), row = layout_.numbers[kind].total;
+    for (SweepRange& range : ranges_) {
+      if (!range.holds(low) && !range.holds(high)) continue;
+      SweepPairs& list = (range.holds(low) && range.holds(high) ? range.inner : range.border)[kind];
+      const int of = (range.holds(low) ? low : high) - range.begin;
+      for (int c = list.start[of]; c < list.start[of + 1]; ++c)
+        if (list.first[c] == low && images_.grain(list.second[c]) == high)
+          for (int k = 0; k < std::min(row, numbers); ++k)
+            write_history(list, c, k, row, a > b && (layout_.numbers[kind].flips >> k & 1) ? -history[k] : history[k]);
+    }
   }
 
   std::int64_t near_pairs() const {
@@ -240,6 +254,14 @@ class SweepLists {
       const std::size_t at = first + static_cast<std::size_t>(k * layout.lanes);
       to[k] = layout.mixed ? list.short_history[at] : list.history[at];
     }
+  }
+
+  void write_history(SweepPairs& list, int pair, int number, int numbers, double value) const {
+    const std::size_t at = place_of(pair, layout_.lanes, numbers) + static_cast<std::size_t>(number * layout_.lanes);
+    if (layout_.mixed)
+      list.short_history[at] = static_cast<float>(value);
+    else
+      list.history[at] = value;
   }
 
   /// Copies the history of the old pair {a, b} to `to`; false when there was none.
@@ -329,14 +351,7 @@ class SweepLists {
       const int i = list.first[c], j = images_.grain(list.second[c]);
       const int a = renumbered ? grains.old_of_new[i] : i, b = renumbered ? grains.old_of_new[j] : j;
       if (!find_old(a, b, kind, old_layout, renumbered ? old_images_ : images_, kept)) continue;
-      const std::size_t first = place_of(c, lanes, row);
-      for (int k = 0; k < numbers; ++k) {
-        const std::size_t at = first + static_cast<std::size_t>(k * lanes);
-        if (layout_.mixed)
-          list.short_history[at] = static_cast<float>(kept[k]);
-        else
-          list.history[at] = kept[k];
-      }
+      for (int k = 0; k < numbers; ++k) write_history(list, c, k, row, kept[k]);
     }
   }
 

@@ -6,6 +6,7 @@
 #include "dem/contact_step.hpp"
 #include "dem/core/bodies.hpp"
 #include "dem/core/bonds.hpp"
+#include "dem/core/ghosts.hpp"
 #include "dem/core/leapfrog.hpp"
 #include "dem/core/ledger.hpp"
 #include "dem/core/pairs.hpp"
@@ -16,6 +17,8 @@
 #include "dem/sweep.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
+
+struct TravellingBody;
 
 class System final : public Simulation {
  public:
@@ -84,6 +87,7 @@ class System final : public Simulation {
   double leap_bodies(const Integrator&, const Forces&, const Phase&);
   // system_advance.hpp
   void prepare(double dt);
+  bool keeps_grain_ledger() const { return setup_.track_energy && (alpha_ > 0 || brakes_); }
   void rebuild(double share);
   void adapt_skin();
   void relist(double moved, double share);
@@ -99,7 +103,8 @@ class System final : public Simulation {
   void return_grains();
   void make_images(int spare_rows);
   void move_images();
-  PairSearch sort(const CellGrid&, Vector<int>& bucket, Vector<int>& bucket_start);
+  void sort(const CellGrid&, Vector<int>& bucket);
+  PairSearch search(const CellGrid&, Vector<int>& bucket, Vector<int>& bucket_start);
   bool sweeps() const;
   kernels::Interval interval(double dt) const;
   ContactNumbers numbers_of(const kernels::PairParameters&) const;
@@ -110,7 +115,37 @@ class System final : public Simulation {
   void sweep_pairs(const kernels::Interval&, const Walls&);
 #endif
   [[noreturn]] void stop_unstable(int trouble, double dt) const;
+  // system_slabs.hpp
+  bool in_company() const;
+  bool is_first_part() const { return !in_company() || setup_.company->part() == 0; }
+  void join_company();
+  double over_parts(double value) const;
+  int part_of(double x) const;
+  void cut_slabs(std::span<const Grain> all);
+  std::vector<Grain> own_grains(std::span<const Grain> all);
+  void drop_ghosts();
+  void migrate();
+  void balance();
+  double pass_on();
+  void write_leaving(const std::vector<int>& side, std::array<Company::Letter, 2>& out);
+  void write_memories(const std::vector<int>& side_of_old, std::array<Company::Letter, 2>& out) const;
+  double read_arriving(const Company::Letter&);
+  void append_bodies(const std::vector<TravellingBody>&, const std::vector<Vec3>& offsets,
+                     const std::vector<int>& starts, const std::vector<int>& owners);
+  std::vector<double> extents();
+  void take_ghosts();
+  void move_ghosts();
+  void enter_ghosts(const CellGrid&, Vector<int>& bucket, Vector<int>& entry);
+  void recall();
+  void recall_pairs(const RowOfKey&);
+  void recall_walls(const RowOfKey&);
+  void count_work();
+  bool is_elsewhere(int i, int j, const std::vector<std::int64_t>& ids) const;
+  std::vector<std::int64_t> row_ids() const;
   // system_measure.hpp
+  void reference_gravity(bool referenced);
+  template <class Visit>
+  void each_pair(Visit&& visit) const;
   void flush_losses();
   void flush_impulses();
   void settle_gravity();
@@ -138,6 +173,9 @@ class System final : public Simulation {
   Bonds bonds_;
   Periods periods_;
   Images images_;  // empty without periods
+  Periods ring_;   // along x, where parts of the grains lie in a ring; then not in periods_
+  Ghosts ghosts_;  // empty where all grains are here
+  Vector<int> entry_;  // spheres and ghosts by bucket
   PairColumns pairs_;
   Walls walls_;
   WallColumns near_walls_;

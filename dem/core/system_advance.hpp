@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "dem/core/system_bodies.hpp"
+#include "dem/core/system_slabs.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -15,17 +16,21 @@ inline void System::advance(int n, double dt) {
   clear(near_walls_.nodal);
   last_dt_ = dt;
   prepare(dt);
+  int trouble = 0;  // in company all parts stop together: after the next leap
   for (int k = 1; k <= n; ++k) {
     if (walls_.any()) walls_.move(k, n, dt, setup_.gravity);
-    const double squared = leap({.ends = k > 1, .ended = dt, .begins = true}, dt);
+    const double squared = over_parts(std::fmax(leap({.ends = k > 1, .ended = dt, .begins = true}, dt),  //
+                                                trouble ? HUGE_VAL : 0));
     ++steps_;
-    if (!(squared < HUGE_VAL)) stop_unstable(0, k * dt);
+    if (!(squared < HUGE_VAL)) stop_unstable(trouble, k * dt);
+    move_ghosts();
     relist(std::sqrt(squared), static_cast<double>(k) / n);
     evaluate(interval(dt), dt);
-    const int trouble = first_of(trouble_);
-    if (trouble) stop_unstable(trouble, k * dt);
+    trouble = first_of(trouble_);
+    if (trouble && !in_company()) stop_unstable(trouble, k * dt);
     if (walls_.bodies()) finish_walls(dt);
   }
+  if (in_company() && over_parts(trouble) > 0) stop_unstable(trouble, n * dt);
   if (n > 0) leap({.ends = true, .ended = dt, .begins = false}, dt);
   move_images();
   time_ += n * dt;
@@ -42,15 +47,21 @@ inline void System::prepare(double dt) {
     flush_losses();
     walls_.upload_rows();
   }
-  const bool ledger = setup_.track_energy && (alpha_ > 0 || brakes_);
-  if (ledger && grains_.ledger.empty()) grains_.ledger.resize(bodies_.any() ? bodies_.size() : grains_.size());
+  if (in_company()) {
+    double stale[2] = {list_is_stale_ ? 1.0 : 0.0, forces_are_stale_ ? 1.0 : 0.0};
+    setup_.company->largest(stale);
+    list_is_stale_ = stale[0] > 0;
+    forces_are_stale_ = stale[1] > 0;
+  }
+  if (keeps_grain_ledger() && grains_.ledger.empty()) grains_.ledger.resize(bodies_.any() ? bodies_.size() : grains_.size());
   if (list_is_stale_) rebuild(0);
   if (forces_are_stale_) {
     // The histories are half a step ahead: taken back to this instant, and ahead again for the step to come.
     clear(grains_.pull);
+    move_ghosts();
     evaluate({-last_ahead_, interval(dt).ahead}, 0);
     const int trouble = first_of(trouble_);
-    if (trouble) stop_unstable(trouble, 0);
+    if (over_parts(trouble) > 0) stop_unstable(trouble, 0);
     if (walls_.bodies()) feel_walls();
     leap({.ends = true, .ended = 0, .begins = false}, dt);
     book_removed_walls();
@@ -72,15 +83,23 @@ inline void System::book_removed_walls() {
 
 /// Forces of the grains on walls that are bodies.
 inline void System::feel_walls() {
+  std::vector<double> sums;
   for (std::size_t k = 0; k < walls_.walls.size(); ++k) {
-    auto& body = walls_.walls[k].body;
+    const auto& body = walls_.walls[k].body;
     if (!body) continue;
     const auto sum = ordered_sum<6>(
         near_walls_.size(),
         SumWallForce{pointer(near_walls_.state), pointer(near_walls_.candidate), pointer(near_walls_.grain_of),
                      pointer(walls_.facets), pointer(grains_.place), static_cast<int>(k), body->state.centre});
-    body->state.contact_force = Vec3{sum.value[0], sum.value[1], sum.value[2]};
-    body->state.contact_torque = Vec3{sum.value[3], sum.value[4], sum.value[5]};
+    sums.insert(sums.end(), sum.value, sum.value + 6);
+  }
+  if (in_company()) setup_.company->sum(sums);
+  const double* sum = sums.data();
+  for (HostWall& wall : walls_.walls) {
+    if (!wall.body) continue;
+    wall.body->state.contact_force = {sum[0], sum[1], sum[2]};
+    wall.body->state.contact_torque = {sum[3], sum[4], sum[5]};
+    sum += 6;
   }
 }
 
@@ -117,19 +136,25 @@ inline void System::relist(double moved, double share) {
 
 /// New lists for grains and walls where they are now, `share` of the way through the present advance().
 inline void System::rebuild(double share) {
-  const int n = grains_.size();
   flush_losses();
   flush_impulses();
-  if (n > 0) {
-    const Place* place = pointer(grains_.place);
-    radii_ = reduce(n, RadiiOf{place}, Radii{}, JoinRadii{});
+  radii_ = reduce(grains_.size(), RadiiOf{pointer(grains_.place)}, Radii{}, JoinRadii{});
+  radii_ = {-over_parts(-radii_.smallest), over_parts(radii_.largest)};
+  if (radii_.largest > 0) {
     if (rebuilds_ > 0 && !list_is_stale_) adapt_skin();
     skin_ = setup_.skin > 0 ? setup_.skin : skin_share_ * radii_.smallest;
     if (periods_.any()) return_grains();
-    const Box box = reduce(n, BoxOf{place}, Box{}, JoinBoxes{});
+    if (in_company()) migrate();
+    const int n = grains_.size();
+    const Box box = reduce(n, BoxOf{pointer(grains_.place)}, Box{}, JoinBoxes{});
     const CellGrid grid = make_grid(box, 2 * radii_.largest + skin_, n);
     Vector<int> bucket, bucket_start;
-    PairSearch search = sort(grid, bucket, bucket_start);
+    sort(grid, bucket);
+    if (in_company())
+      take_ghosts();
+    else
+      ghosts_.first = n;
+    PairSearch search = this->search(grid, bucket, bucket_start);
     if (bonds_.any()) bonds_.find(grains_);
     const int materials = static_cast<int>(setup_.materials.size());
     const int history = history_stride();
@@ -162,9 +187,14 @@ inline void System::rebuild(double share) {
     grains_.listed.resize(n);
     launch(n, CopyPositions{pointer(grains_.place), pointer(grains_.listed)});
     thrust::sequence(policy(), grains_.old_of_new.begin(), grains_.old_of_new.end());
+    if (in_company()) {
+      recall();
+      count_work();
+    }
   } else {
     pairs_ = {};
     images_ = {};
+    ghosts_.first = 0;
     near_walls_ = {};
 #if !defined(TRACKBED_DEM_CUDA)
     sweep_lists_ = {};
@@ -178,15 +208,19 @@ inline void System::rebuild(double share) {
 }
 
 /// Spheres in the order of the grid, or bodies with their spheres.
-inline PairSearch System::sort(const CellGrid& grid, Vector<int>& bucket, Vector<int>& bucket_start) {
+inline void System::sort(const CellGrid& grid, Vector<int>& bucket) {
   if (bodies_.any())
     bodies_.sort_by_bucket(grid, grains_, bucket);
   else
     grains_.sort_by_bucket(grid, bucket);
+}
+
+inline PairSearch System::search(const CellGrid& grid, Vector<int>& bucket, Vector<int>& bucket_start) {
+  if (in_company()) enter_ghosts(grid, bucket, entry_);
   bucket_starts(bucket, grid.buckets(), bucket_start);
   return {grid,
           pointer(bucket_start),
-          pointer(bodies_.sphere_entry),
+          pointer(in_company() ? entry_ : bodies_.sphere_entry),
           pointer(bodies_.of_sphere),
           pointer(grains_.place),
           skin_,
@@ -195,9 +229,9 @@ inline PairSearch System::sort(const CellGrid& grid, Vector<int>& bucket, Vector
 
 /// Back between the faces; what gravity does along the way is not its work.
 inline void System::return_grains() {
-  const double reach = bodies_.any()
-                           ? reduce(bodies_.size(), RadiiOf{pointer(bodies_.place)}, Radii{}, JoinRadii{}).largest
-                           : radii_.largest;
+  const double reach =
+      bodies_.any() ? over_parts(reduce(bodies_.size(), RadiiOf{pointer(bodies_.place)}, Radii{}, JoinRadii{}).largest)
+                    : radii_.largest;
   periods_.margin = 2 * radii_.largest + skin_ + (bodies_.any() ? reach : 0);
   for (int axis = 0; axis < 3; ++axis) {
     const double length = periods_.length[axis], least = 4 * reach + 2 * skin_;
@@ -216,16 +250,13 @@ inline void System::return_grains() {
            ReturnBodies{periods_, pointer(bodies_.place), pointer(grains_.place), pointer(bodies_.start)});
   else
     launch(grains_.size(), ReturnGrains{periods_, pointer(grains_.place)});
-  if (referenced && setup_.track_energy) {
-    gravity_reference_ = gravity_potential();
-    gravity_referenced_ = true;
-  }
+  reference_gravity(referenced);
 }
 
 /// Images of the grains near periodic faces, and spare rows behind them.
 inline void System::make_images(int spare_rows) {
   images_ = {};
-  const int n = grains_.size();
+  const int n = ghosts_.total();
   const Place* place = pointer(grains_.place);
   if (periods_.any()) {
     images_.start.resize(n);
@@ -236,7 +267,7 @@ inline void System::make_images(int spare_rows) {
     launch(n, NameImages{periods_, place, pointer(images_.start), pointer(images_.owner), pointer(images_.shift)});
   }
   images_.first = n;
-  grains_.make_spare_rows(images_.size() + spare_rows);
+  grains_.make_spare_rows(n, images_.size() + spare_rows);
   move_images();
 }
 
@@ -449,6 +480,7 @@ inline void System::stop_unstable(int trouble, double dt) const {
         accuse(g, 1, "angular velocity is not finite");
     }
   }
+  if (measure < 0 && in_company()) throw base::UnstableError("stopped with another part of the grains");
   const Vec3 p = ids.empty() ? Vec3{} : place[worst].position;
   const Vec3 v = ids.empty() ? Vec3{} : rows.translation(worst).vector;
   char message[500];

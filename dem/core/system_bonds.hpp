@@ -10,6 +10,7 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 
 inline void System::add_bonds(std::span<const Bond> bonds) {
   if (bonds.empty()) return;
+  base::require_user(!in_company(), "dem: bonds need all grains in one place; use one rank for grains");
   const auto ids = download(grains_.id);
   const auto place = download(grains_.place);
   std::unordered_map<std::int64_t, int> sphere;

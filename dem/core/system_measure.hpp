@@ -60,7 +60,8 @@ inline void System::settle_gravity() {
 inline base::Energy System::pending() const {
   base::Energy e;
   if (!setup_.track_energy) return e;
-  const auto pairs = ordered_sum<5>(static_cast<int>(pairs_.ledger.size()), SumPairs{pointer(pairs_.ledger)});
+  const auto pairs = ordered_sum<5>(static_cast<int>(pairs_.ledger.size()),
+                                    SumPairs{pointer(pairs_.ledger), pointer(pairs_.second), ghosts_.first});
   const auto walls = ordered_sum<7>(static_cast<int>(near_walls_.ledger.size()),
                                     SumWalls{pointer(near_walls_.ledger), pointer(near_walls_.candidate),
                                              pointer(walls_.facets), pointer(walls_.rows)});
@@ -79,7 +80,7 @@ inline base::Energy System::pending() const {
     e.loss_breakage = bonds.value[1];
   }
   for (const HostWall& wall : walls_.walls) {
-    if (!wall.body) continue;
+    if (!wall.body || !is_first_part()) continue;
     e.kinetic += wall.body->kinetic();
     e.work_loads += wall.body->work_loads;
     e.work_gravity += wall.body->work_gravity;
@@ -200,11 +201,19 @@ void System::each_contact(Visit&& visit) const {
     const auto& parameters = grain_parameters_host_[material[i] * materials + material[j]];
     const kernels::Interval back{-last_ahead_, 0};
     const Vec3 force = AnyLaw::press<false>(parameters, meeting.touch, back, history).force;
-    visit(i, j, meeting, parameters, force, image < 0 ? Vec3{} : periods_.vector(shift[image]));
+    Vec3 period = image < 0 ? Vec3{} : periods_.vector(shift[image]);
+    period.x += ghosts_.shift_of(j);
+    visit(i, j, meeting, parameters, force, period);
   };
+  each_pair(look);
+}
+
+/// Calls visit(i, row of j, history, numbers) for every listed pair, in the numbering of the lists.
+template <class Visit>
+void System::each_pair(Visit&& visit) const {
 #if !defined(TRACKBED_DEM_CUDA)
   if (sweeps()) {
-    sweep_lists_.each(look);
+    sweep_lists_.each(visit);
     return;
   }
 #endif
@@ -212,15 +221,29 @@ void System::each_contact(Visit&& visit) const {
   const auto second = download(pairs_.second_row.empty() ? pairs_.second : pairs_.second_row);
   const auto history = download(pairs_.history);
   for (std::size_t c = 0; c < first.size(); ++c)
-    look(first[c], second[c], history.data() + c * pairs_.history_stride, pairs_.history_stride);
+    visit(first[c], second[c], history.data() + c * pairs_.history_stride, pairs_.history_stride);
+}
+
+/// Grains of own rows and ghosts.
+inline std::vector<std::int64_t> System::row_ids() const {
+  auto ids = download(grains_.id);
+  for (std::size_t row = ids.size(); in_company() && row < ghosts_.keys.size(); ++row)
+    ids.push_back(ghosts_.keys[row].grain);
+  return ids;
+}
+
+/// A pair with a ghost is told of by the part that holds the grain with the lower number.
+inline bool System::is_elsewhere(int i, int j, const std::vector<std::int64_t>& ids) const {
+  return j >= ghosts_.first && ids[static_cast<std::size_t>(j)] < ids[static_cast<std::size_t>(i)];
 }
 
 inline std::vector<GrainContact> System::grain_contacts() const {
   const auto place = download(grains_.place);
-  const auto ids = download(grains_.id);
+  const auto ids = row_ids();
   std::vector<GrainContact> contacts;
   each_contact(
       [&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3& force, const Vec3& period) {
+        if (is_elsewhere(i, j, ids)) return;
         contacts.push_back(
             {ids[i], ids[j], place[i].position, place[j].position + period, force, meeting.touch.overlap, period});
       });
@@ -252,8 +275,10 @@ inline Counts System::counts() const {
   counts.grains = bodies_.any() ? bodies_.size() : grains_.size();
   counts.spheres = grains_.size();
   counts.wall_candidates = near_walls_.size();
-  each_contact(
-      [&](int, int, const Meeting&, const kernels::PairParameters&, const Vec3&, const Vec3&) { ++counts.contacts; });
+  const auto ids = row_ids();
+  each_contact([&](int i, int j, const Meeting&, const kernels::PairParameters&, const Vec3&, const Vec3&) {
+    counts.contacts += !is_elsewhere(i, j, ids);
+  });
   counts.candidate_pairs = pairs_.size();
   std::size_t list_bytes = pairs_.bytes();
 #if !defined(TRACKBED_DEM_CUDA)
@@ -386,6 +411,7 @@ inline StableStep System::contact_stable_step() const {
         s.normal = m.touch.normal;
         attach(s, i, -m.arm_i * s.normal);
         springs.push_back(s);
+        if (j >= ghosts_.first) return;
         attach(s, j, m.arm_j * s.normal);
         springs.push_back(s);
       });

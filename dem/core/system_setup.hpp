@@ -2,7 +2,7 @@
 // What a simulation is made of, and what is changed between two calls of advance().
 #include <unordered_map>
 
-#include "dem/core/system.hpp"
+#include "dem/core/system_slabs.hpp"
 #include "dem/law_parameters.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
@@ -19,6 +19,7 @@ inline System::System(const Setup& setup, Backend backend) : setup_(setup), back
       "one; use double precision there");
   for (const Period& along : setup.periods) base::require_user(along.length >= 0, "dem: a period must not be negative");
   periods_ = periods_of(setup.periods);
+  join_company();
   grains_.parts = setup.rotations ? 2 : 1;
   upload(std::vector<int>{0}, trouble_);
   upload_parameters();
@@ -97,8 +98,11 @@ inline void System::add_grains(std::span<const Grain> grains) {
   }
   if (grains.empty()) return;
   settle_gravity();
+  drop_ghosts();
   const bool clumps = std::any_of(grains.begin(), grains.end(), [](const Grain& g) { return g.shape >= 0; });
   if (clumps && !bodies_.any()) make_bodies();
+  const auto own = in_company() ? own_grains(grains) : std::vector<Grain>{};
+  if (in_company()) grains = own;
   if (clumps || bodies_.any()) {
     add_bodies(grains);
   } else {
@@ -119,6 +123,7 @@ inline void System::remove_grains(std::span<const std::int64_t> ids) {
   if (order.size() == present.size()) return;
   settle_gravity();
   flush_losses();
+  drop_ghosts();
   Vector<int> kept;
   upload(order, kept);
   if (bodies_.any())
@@ -242,7 +247,7 @@ inline void System::remove_wall(int wall) {
     flush_losses();
     const base::Energy held = pending();
     if (!taken_away_) taken_away_ = held.elastic_normal + held.elastic_shear;
-    if (walls_.walls[wall].body) totals_.work_walls -= walls_.walls[wall].body->kinetic();
+    if (walls_.walls[wall].body && is_first_part()) totals_.work_walls -= walls_.walls[wall].body->kinetic();
   }
   walls_.remove(wall);
   list_is_stale_ = forces_are_stale_ = true;

@@ -68,6 +68,26 @@ void walk_bonds(Self& bonds, Walk& walk) {
 }
 
 template <class Self, class Walk>
+void walk_ghosts(Self& ghosts, Walk& walk) {
+  std::vector<std::int64_t> keys;
+  for (const SphereKey& key : ghosts.keys) {
+    keys.push_back(key.grain);
+    keys.push_back(key.sphere);
+  }
+  walk.numbers("ghosts/numbers", ghosts.first, ghosts.count[0], ghosts.count[1], ghosts.shift[0], ghosts.shift[1],
+               ghosts.work, ghosts.imbalance);
+  walk.rows("ghosts/keys", keys);
+  walk.rows("ghosts/sent_below", ghosts.sent[0]);
+  walk.rows("ghosts/sent_above", ghosts.sent[1]);
+  walk.rows("ghosts/cuts", ghosts.cuts);
+  walk.rows("ghosts/material", ghosts.material);
+  if constexpr (Walk::loads) {
+    ghosts.keys.clear();
+    for (std::size_t k = 0; k + 1 < keys.size(); k += 2) ghosts.keys.push_back({keys[k], keys[k + 1]});
+  }
+}
+
+template <class Self, class Walk>
 void walk_pairs(Self& pairs, Walk& walk) {
   walk.numbers("pairs/stride", pairs.history_stride);
   walk.rows("pairs/own_start", pairs.own_start);
@@ -136,6 +156,8 @@ void System::walk(Self& self, Walk& walk) {
   walk.rows("images/start", self.images_.start);
   walk.rows("images/owner", self.images_.owner);
   walk.rows("images/shift", self.images_.shift);
+  if (self.in_company()) walk_ghosts(self.ghosts_, walk);
+  walk.numbers("ghosts/first", self.ghosts_.first);
   walk_pairs(self.pairs_, walk);
   Walls::walk(self.walls_, walk);
   walk_near_walls(self.near_walls_, walk);

@@ -127,6 +127,7 @@ struct FillWalls {
   WallState* state;
   const int* old_of_new;
   const int *old_slot, *old_start, *old_candidate;  // null: there was no list
+  int old_rows;                                     // in the old list
   const WallState* old_state;
   const double* old_history;
   double* history;
@@ -144,7 +145,7 @@ struct FillWalls {
     const int g = grain[w];
     search.neighbours(g, Visit{candidate + start[w], 0});
     const int old_grain = old_of_new[g];
-    const int old = old_slot && old_grain >= 0 ? old_slot[old_grain] : -1;
+    const int old = old_slot && old_grain >= 0 && old_grain < old_rows ? old_slot[old_grain] : -1;
     for (int c = start[w]; c < start[w + 1]; ++c) {
       state[c] = {};
       for (int k = old < 0 ? 0 : old_start[old]; old >= 0 && k < old_start[old + 1]; ++k)
