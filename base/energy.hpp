@@ -28,6 +28,15 @@ struct Energy {
     return loss_friction + loss_contact_damping + loss_rolling + loss_breakage + loss_damping + loss_viscous +
            loss_plastic;
   }
+  Energy& operator+=(const Energy& other) {
+    for (double Energy::*term :
+         {&Energy::kinetic, &Energy::elastic_normal, &Energy::elastic_shear, &Energy::elastic_bonds, &Energy::strain,
+          &Energy::work_gravity, &Energy::work_loads, &Energy::work_walls, &Energy::work_interface,
+          &Energy::loss_friction, &Energy::loss_contact_damping, &Energy::loss_rolling, &Energy::loss_breakage,
+          &Energy::loss_damping, &Energy::loss_viscous, &Energy::loss_plastic})
+      this->*term += other.*term;
+    return *this;
+  }
 };
 
 }  // namespace base

@@ -135,9 +135,9 @@ struct Setup {
   /// cut the direction. Each length at least 4 times the largest grain's radius (a clump's reach) plus the skin twice.
   std::array<Period, 3> periods{};
   /// Not null: this simulation is one part of company->parts(); it must outlive the simulation. All parts make the same
-  /// calls in the same order. add_grains() is given all grains everywhere and takes its own; what is measured is of this
-  /// part, a contact with a ghost of the part whose grain has the lower id. A period along x is at least
-  /// 2 parts; bonds are refused.
+  /// calls in the same order. add_grains() is given all grains everywhere and takes its own; what is measured is of
+  /// this part, a contact with a ghost of the part whose grain has the lower id. A period along x is at least 2 parts;
+  /// bonds are refused.
   Company* company = nullptr;
 };
 
@@ -258,6 +258,9 @@ class Simulation {
   /// backend, with the same shapes and walls added (and bodies made of them) in the same order, without grains. Throws
   /// base::UserError when the columns do not fit.
   virtual void restore(const base::Columns&) = 0;
+  /// Goes on from what another number of parts has saved, given to all parts of this one: the same to rounding. Before
+  /// the next step only.
+  virtual void restore_parts(std::span<const base::Columns>) = 0;
 
   // ---- measurement (host copies; not for every step)
   virtual base::Energy energy() const = 0;

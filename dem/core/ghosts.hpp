@@ -76,6 +76,7 @@ struct ContactMemory {
   int kind = 0;  // materials of the pair; facet
   int numbers = 0;
   double history[maximum_numbers] = {};
+  double elastic_normal = 0, elastic_shear = 0;  // [J] where it has a ledger of its own
   WallState state;
 };
 
@@ -87,12 +88,12 @@ struct Ghosts {
   std::array<Vector<int>, 2> sent;       // rows whose ghosts the neighbours have
   std::array<Vector<double>, 2> packed;  // rows on their way out, in
   std::array<Company::Letter, 2> out, in;
-  std::vector<double> cuts;  // [m] between the parts, rising; empty: no grains so far
-  double work = 0;           // of this part when its lists were made: spheres and pairs looked at
-  double imbalance = 1;      // largest over mean work of all parts
+  std::vector<double> cuts;   // [m] between the parts, rising; empty: no grains so far
+  double work = 0;            // of this part when its lists were made: spheres and pairs looked at
+  double imbalance = 1;       // largest over mean work of all parts
   std::vector<int> material;  // of `keys`
   // Between migration and the lists that follow it:
-  RowOfKey left;                                     // rows that own spheres had which have gone
+  RowOfKey left;  // rows that own spheres had which have gone
   std::vector<ContactMemory> brought_pairs, brought_walls;
 
   int size() const { return count[0] + count[1]; }

@@ -65,8 +65,8 @@ struct JoinRadii {
   }
 };
 
-/// Rows of grains. Ghosts (ghosts.hpp) may stand behind them, in `material` and `old_of_new` too; then `place`, `motion`
-/// and `pull` may end with spare rows that belong to no grain.
+/// Rows of grains. Ghosts (ghosts.hpp) may stand behind them, in `material` and `old_of_new` too; then `place`,
+/// `motion` and `pull` may end with spare rows that belong to no grain.
 struct Grains {
   bool own_state = true;  // false: bodies own it (bodies.hpp), and `state` and `pull`s between steps are theirs
   int parts = 2;          // 1: nothing rotates

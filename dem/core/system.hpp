@@ -23,6 +23,7 @@ struct TravellingBody;
 class System final : public Simulation {
  public:
   System(const Setup&, Backend);
+  System(const System& like, const base::Columns& saved_part);
 
   int add_shape(const Clump&) override;
   void add_grains(std::span<const Grain>) override;
@@ -62,6 +63,7 @@ class System final : public Simulation {
 
   base::Columns save() const override;
   void restore(const base::Columns&) override;
+  void restore_parts(std::span<const base::Columns>) override;
 
   base::Energy energy() const override;
   void reset_energy() override;
@@ -122,10 +124,13 @@ class System final : public Simulation {
   double over_parts(double value) const;
   int part_of(double x) const;
   void cut_slabs(std::span<const Grain> all);
+  [[noreturn]] void refuse_slabs(double along, double least, double reach) const;
   std::vector<Grain> own_grains(std::span<const Grain> all);
   void drop_ghosts();
   void migrate();
   void balance();
+  void cut_anew();
+  void list_keys();
   double pass_on();
   void write_leaving(const std::vector<int>& side, std::array<Company::Letter, 2>& out);
   void write_memories(const std::vector<int>& side_of_old, std::array<Company::Letter, 2>& out) const;
@@ -158,6 +163,8 @@ class System final : public Simulation {
   // system_state.hpp
   template <class Self, class Walk>
   static void walk(Self&, Walk&);
+  void load(const base::Columns&);
+  Company::Letter everything();
   // system_bonds.hpp
   std::vector<GrainSpring> bond_springs() const;
   StableStep with_bonds(const StableStep& without) const;
@@ -172,9 +179,9 @@ class System final : public Simulation {
   std::vector<Clump> shapes_;
   Bonds bonds_;
   Periods periods_;
-  Images images_;  // empty without periods
-  Periods ring_;   // along x, where parts of the grains lie in a ring; then not in periods_
-  Ghosts ghosts_;  // empty where all grains are here
+  Images images_;      // empty without periods
+  Periods ring_;       // along x, where parts of the grains lie in a ring; then not in periods_
+  Ghosts ghosts_;      // empty where all grains are here
   Vector<int> entry_;  // spheres and ghosts by bucket
   PairColumns pairs_;
   Walls walls_;

@@ -53,7 +53,8 @@ inline void System::prepare(double dt) {
     list_is_stale_ = stale[0] > 0;
     forces_are_stale_ = stale[1] > 0;
   }
-  if (keeps_grain_ledger() && grains_.ledger.empty()) grains_.ledger.resize(bodies_.any() ? bodies_.size() : grains_.size());
+  if (keeps_grain_ledger() && grains_.ledger.empty())
+    grains_.ledger.resize(bodies_.any() ? bodies_.size() : grains_.size());
   if (list_is_stale_) rebuild(0);
   if (forces_are_stale_) {
     // The histories are half a step ahead: taken back to this instant, and ahead again for the step to come.
@@ -187,10 +188,8 @@ inline void System::rebuild(double share) {
     grains_.listed.resize(n);
     launch(n, CopyPositions{pointer(grains_.place), pointer(grains_.listed)});
     thrust::sequence(policy(), grains_.old_of_new.begin(), grains_.old_of_new.end());
-    if (in_company()) {
-      recall();
-      count_work();
-    }
+    recall();
+    if (in_company()) count_work();
   } else {
     pairs_ = {};
     images_ = {};

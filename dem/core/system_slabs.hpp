@@ -51,12 +51,15 @@ inline void System::cut_slabs(std::span<const Grain> all) {
   const int parts = setup_.company->parts();
   const double least = least_slab(reach, 0.1 * reach);
   ghosts_.cuts = slab_cuts(work, parts, least);
-  if (!ghosts_.cuts.empty()) return;
+  if (ghosts_.cuts.empty()) refuse_slabs(work.high - work.low, least, reach);
+}
+
+inline void System::refuse_slabs(double along, double least, double reach) const {
   char message[200];
   std::snprintf(message, sizeof message,
                 "dem: grains over %.4g m along x cannot be cut into %d slabs of %.4g m or more (four grains of radius "
                 "%.4g m); use fewer ranks for grains",
-                work.high - work.low, parts, least, reach);
+                along, setup_.company->parts(), least, reach);
   throw base::UserError(message);
 }
 
@@ -109,7 +112,12 @@ inline void System::reference_gravity(bool referenced) {
 inline void System::balance() {
   constexpr double tolerated = 1.1;
   constexpr int rarely = 16;  // of the rebuilds
-  if (rebuilds_ % rarely != 0 || ghosts_.imbalance < tolerated || ghosts_.cuts.empty()) return;
+  if (rebuilds_ % rarely == 0 && ghosts_.imbalance > tolerated && !ghosts_.cuts.empty()) cut_anew();
+}
+
+/// Where this part's work was counted with its lists, it lies alike on all its spheres. The old cuts stay where grains
+/// have become too few for others.
+inline void System::cut_anew() {
   ghosts_.imbalance = 1;
   const auto place = download(grains_.place);
   const int n = grains_.size();
@@ -125,10 +133,12 @@ inline void System::balance() {
   work.low = ring_.any() ? ring_.lower.x : -ends[0];
   work.high = ring_.any() ? ring_.lower.x + ring_.length.x : ends[1];
   work.bins.resize(1024);
-  for (int g = 0; g < n; ++g) work.add(place[g].position.x + ring_.return_path(place[g].position).x, ghosts_.work / n);
+  const double each = ghosts_.work > 0 ? ghosts_.work / n : 1;
+  for (int g = 0; g < n; ++g) work.add(place[g].position.x + ring_.return_path(place[g].position).x, each);
   setup_.company->sum(work.bins);
   const auto cuts = slab_cuts(work, setup_.company->parts(), least_slab(ends[2], skin_));
   if (!cuts.empty()) ghosts_.cuts = cuts;
+  if (ghosts_.cuts.empty()) refuse_slabs(work.high - work.low, least_slab(ends[2], skin_), ends[2]);
 }
 
 /// Hands grains that lie in other slabs one part on, and takes such from the neighbours. Returns how many have farther
@@ -174,7 +184,11 @@ inline void System::write_memories(const std::vector<int>& side_of_old, std::arr
   };
   const auto& material = ghosts_.material;
   const int materials = static_cast<int>(setup_.materials.size());
+  const auto ledger = download(pairs_.ledger);
+  std::size_t pair = 0;
   const auto note = [&](int i, int row, const double* history, int numbers) {
+    const ContactLedger held = pair < ledger.size() ? ledger[pair] : ContactLedger{};
+    ++pair;
     const int j = images_.grain(row);
     std::set<int> sides{leaving(i), leaving(j)};
     sides.erase(-1);
@@ -182,6 +196,8 @@ inline void System::write_memories(const std::vector<int>& side_of_old, std::arr
     ContactMemory memory{.a = ghosts_.keys[i], .b = ghosts_.keys[j], .kind = 0, .numbers = numbers, .state = {}};
     memory.kind = std::min(material[i], material[j]) * materials + std::max(material[i], material[j]);
     std::copy_n(history, numbers, memory.history);
+    memory.elastic_normal = held.elastic_normal;
+    memory.elastic_shear = held.elastic_shear;
     for (const int to : sides) memories[static_cast<std::size_t>(to)].push_back(memory);
   };
   each_pair(note);
@@ -195,6 +211,7 @@ inline void System::write_memories(const std::vector<int>& side_of_old, std::arr
   const auto candidate = download(near_walls_.candidate);
   const auto state = download(near_walls_.state);
   const auto history = download(near_walls_.history);
+  const auto wall_ledger = download(near_walls_.ledger);
   const int stride = near_walls_.history_stride;
   for (std::size_t row = 0; row < slot.size(); ++row) {
     const int to = leaving(static_cast<int>(row));
@@ -203,6 +220,10 @@ inline void System::write_memories(const std::vector<int>& side_of_old, std::arr
       if (!(state[c].overlap > 0)) continue;
       ContactMemory memory{.a = ghosts_.keys[row], .b = {}, .kind = candidate[c], .numbers = stride, .state = state[c]};
       std::copy_n(history.data() + static_cast<std::size_t>(c) * stride, stride, memory.history);
+      if (!wall_ledger.empty()) {
+        memory.elastic_normal = wall_ledger[c].elastic_normal;
+        memory.elastic_shear = wall_ledger[c].elastic_shear;
+      }
       memories[to].push_back(memory);
     }
   }
@@ -311,7 +332,7 @@ inline double System::read_arriving(const Company::Letter& letter) {
   if (letter.empty()) return 0;
   LetterReader reader(letter);
   const auto number = reader.get<std::int64_t>();
-  const int here = setup_.company->part(), parts = grains_.parts;
+  const int here = in_company() ? setup_.company->part() : 0, parts = grains_.parts;
   double farther = 0;
   std::vector<TravellingBody> bodies;
   std::vector<TravellingSphere> spheres;
@@ -434,6 +455,16 @@ inline std::vector<double> System::extents() {
   return all;
 }
 
+/// Names of the own spheres, in the order of their rows.
+inline void System::list_keys() {
+  const auto ids = download(grains_.id);
+  const auto start = download(bodies_.start), owner = download(bodies_.of_sphere);
+  ghosts_.keys.clear();
+  for (std::size_t s = 0; s < ids.size(); ++s)
+    ghosts_.keys.push_back({ids[s], start.empty() ? 0 : static_cast<std::int64_t>(s) - start[owner[s]]});
+  ghosts_.material = download(grains_.material);
+}
+
 /// After the own rows have been sorted: ghosts of the neighbours' spheres behind them, and the neighbours' of these.
 inline void System::take_ghosts() {
   Company& company = *setup_.company;
@@ -448,10 +479,7 @@ inline void System::take_ghosts() {
   const auto place = download(grains_.place);
   const auto motion = download(grains_.motion);
   const auto material = download(grains_.material);
-  const auto ids = download(grains_.id);
-  const auto start = download(bodies_.start), owner = download(bodies_.of_sphere);
-  ghosts_.keys.clear();
-  for (int g = 0; g < n; ++g) ghosts_.keys.push_back({ids[g], start.empty() ? 0 : g - start[owner[g]]});
+  list_keys();
 
   struct Ghost {
     Place place;
@@ -472,12 +500,12 @@ inline void System::take_ghosts() {
       for (int g = 0; g < n; ++g) {
         const double x = place[g].position.x + shift, far = place[g].radius + skin_;
         // Towards the face only: in a ring of two parts the other face is near the same neighbour.
-        const bool towards = side == Company::below ? x - far < high && x > 0.5 * (low + high)
-                                                    : x + far > low && x < 0.5 * (low + high);
+        const bool towards =
+            side == Company::below ? x - far < high && x > 0.5 * (low + high) : x + far > low && x < 0.5 * (low + high);
         if (!(low < high) || !towards) continue;
         rows.push_back(g);
-        Ghost ghost{.place = place[g], .motion = {}, .key = ghosts_.keys[static_cast<std::size_t>(g)],
-                    .material = material[g]};
+        Ghost ghost{
+            .place = place[g], .motion = {}, .key = ghosts_.keys[static_cast<std::size_t>(g)], .material = material[g]};
         ghost.place.position.x = x;
         for (int part = 0; part < grains_.parts; ++part) ghost.motion[part] = motion[grains_.parts * g + part];
         writer.put(ghost);
@@ -565,6 +593,7 @@ inline void System::enter_ghosts(const CellGrid& grid, Vector<int>& bucket, Vect
 /// After new lists have been made: contacts of grains that have come from other parts remember what they did there.
 inline void System::recall() {
   if (!ghosts_.brought_pairs.empty() || !ghosts_.brought_walls.empty()) {
+    if (!in_company()) list_keys();
     RowOfKey row;
     for (std::size_t k = 0; k < ghosts_.keys.size(); ++k) row.emplace(ghosts_.keys[k], static_cast<int>(k));
     recall_pairs(row);
@@ -582,6 +611,7 @@ inline void System::recall_pairs(const RowOfKey& row) {
     start = download(pairs_.own_start);
     second = download(pairs_.second);
   }
+  auto ledger = download(pairs_.ledger);
   bool changed = false;
   for (const ContactMemory& memory : ghosts_.brought_pairs) {
     const auto a = row.find(memory.a), b = row.find(memory.b);
@@ -600,9 +630,15 @@ inline void System::recall_pairs(const RowOfKey& row) {
     for (int k = 0; k < memory.numbers && k < pairs_.history_stride; ++k)
       columns[static_cast<std::size_t>(c) * pairs_.history_stride + k] =
           i > j && (flips >> k & 1) ? -memory.history[k] : memory.history[k];
+    if (!ledger.empty()) {
+      ledger[c].elastic_normal = memory.elastic_normal;
+      ledger[c].elastic_shear = memory.elastic_shear;
+    }
     changed = true;
   }
-  if (changed) upload(columns, pairs_.history);
+  if (!changed) return;
+  upload(columns, pairs_.history);
+  upload(ledger, pairs_.ledger);
 }
 
 inline void System::recall_walls(const RowOfKey& row) {
@@ -611,6 +647,7 @@ inline void System::recall_walls(const RowOfKey& row) {
   const auto candidate = download(near_walls_.candidate);
   auto state = download(near_walls_.state);
   auto history = download(near_walls_.history);
+  auto ledger = download(near_walls_.ledger);
   const int stride = near_walls_.history_stride;
   for (const ContactMemory& memory : ghosts_.brought_walls) {
     const auto found = row.find(memory.a);
@@ -621,8 +658,12 @@ inline void System::recall_walls(const RowOfKey& row) {
       state[c] = memory.state;
       std::copy_n(memory.history, std::min(stride, memory.numbers),
                   history.data() + static_cast<std::size_t>(c) * stride);
+      if (ledger.empty()) continue;
+      ledger[c].elastic_normal = memory.elastic_normal;
+      ledger[c].elastic_shear = memory.elastic_shear;
     }
   }
+  upload(ledger, near_walls_.ledger);
   upload(state, near_walls_.state);
   upload(history, near_walls_.history);
 }

@@ -3,7 +3,7 @@
 // with what decides when they are made anew: the simulation that is saved does not notice, and one that goes on from
 // the columns adds the same forces in the same order. Stored: everything but what the scene says (shapes, the form of
 // walls, laws) and what every step computes afresh.
-#include "dem/core/system.hpp"
+#include "dem/core/system_slabs.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -156,8 +156,9 @@ void System::walk(Self& self, Walk& walk) {
   walk.rows("images/start", self.images_.start);
   walk.rows("images/owner", self.images_.owner);
   walk.rows("images/shift", self.images_.shift);
-  if (self.in_company()) walk_ghosts(self.ghosts_, walk);
-  walk.numbers("ghosts/first", self.ghosts_.first);
+  int parts = self.in_company() ? self.setup_.company->parts() : 1;
+  walk.numbers("parts", parts, self.ghosts_.first);
+  if (parts > 1) walk_ghosts(self.ghosts_, walk);
   walk_pairs(self.pairs_, walk);
   Walls::walk(self.walls_, walk);
   walk_near_walls(self.near_walls_, walk);
@@ -179,10 +180,17 @@ inline base::Columns System::save() const {
 }
 
 inline void System::restore(const base::Columns& columns) {
+  base::require_internal(grains_.size() == 0, "a state goes into a new simulation");
+  int parts = 0, first_ghost = 0;
+  base::Loader(columns).numbers("parts", parts, first_ghost);
+  if (parts != (in_company() ? setup_.company->parts() : 1)) return restore_parts({&columns, 1});
+  load(columns);
+}
+
+inline void System::load(const base::Columns& columns) {
   const std::string here = backend_ == Backend::cuda ? "cuda" : "omp";
   const auto& there = base::column<std::string>(columns, "backend");
   base::require_user(here == there, "its grains were computed with the backend " + there + ", not " + here);
-  base::require_internal(grains_.size() == 0, "a state goes into a new simulation");
   FromColumns loader(columns);
   walk(*this, loader);
   const bool stale = list_is_stale_;
@@ -192,6 +200,81 @@ inline void System::restore(const base::Columns& columns) {
 #if !defined(TRACKBED_DEM_CUDA)
   if (sweeps() && !sweep_lists_.go_on(sweep_layout(), images_, periods_)) list_is_stale_ = true;
 #endif
+}
+
+/// This part alone, outside any company, with the walls and shapes of `like`.
+inline System::System(const System& like, const base::Columns& columns)
+    : System(
+          [&] {
+            Setup alone = like.setup_;
+            alone.company = nullptr;
+            return alone;
+          }(),
+          like.backend_) {
+  shapes_ = like.shapes_;
+  walls_ = like.walls_;
+  load(columns);
+}
+
+/// Grains with all that their contacts remember, on their way to whichever part they belong to now.
+inline Company::Letter System::everything() {
+  if (ghosts_.keys.empty()) list_keys();
+  std::array<Company::Letter, 2> out;
+  write_leaving(std::vector<int>(static_cast<std::size_t>(bodies_.any() ? bodies_.size() : grains_.size()), 0), out);
+  return out[0];
+}
+
+inline void System::restore_parts(std::span<const base::Columns> saved) {
+  base::require_internal(grains_.size() == 0 && !saved.empty(), "a state goes into a new simulation");
+  const std::size_t parts = in_company() ? static_cast<std::size_t>(setup_.company->parts()) : 1;
+  const std::size_t here = in_company() ? static_cast<std::size_t>(setup_.company->part()) : 0;
+  base::Energy totals;
+  SweepSums sums;
+  bool referenced = false, clumps = false;
+  std::vector<Company::Letter> letters;
+  for (std::size_t k = 0; k < saved.size(); ++k) {
+    System part(*this, saved[k]);
+    base::require_user(!part.bonds_.any() || !in_company(), "bonds need all grains in one place");
+    for (HostWall& wall : part.walls_.walls)  // the first part has counted them
+      if (k > 0 && wall.body)
+        wall.body->work_loads = wall.body->work_gravity = wall.body->work_drive = wall.body->loss_damping = 0;
+    referenced = part.gravity_referenced_;
+    clumps = clumps || part.bodies_.any();
+    part.settle_gravity();
+    part.flush_losses();
+    totals += part.totals_;
+    sums.elastic_normal += part.sweep_sums_.elastic_normal;
+    sums.elastic_shear += part.sweep_sums_.elastic_shear;
+    if (k * parts / saved.size() == here) letters.push_back(part.everything());
+    if (k > 0) continue;
+    setup_.materials = part.setup_.materials;
+    setup_.interactions = part.setup_.interactions;
+    setup_.gravity = part.setup_.gravity;
+    upload_parameters();
+    walls_ = part.walls_;
+    forces_are_stale_ = part.forces_are_stale_;
+    alpha_ = part.alpha_;
+    time_ = part.time_;
+    last_dt_ = part.last_dt_;
+    last_ahead_ = part.last_ahead_;
+    steps_ = part.steps_;
+    rebuilds_ = part.rebuilds_;
+    skin_ = part.skin_;
+    skin_share_ = part.skin_share_;
+    tight_share_ = part.tight_share_;
+    taken_away_ = part.taken_away_;
+  }
+  if (clumps) make_bodies();
+  for (const auto& letter : letters) read_arriving(letter);
+  if (in_company()) cut_anew();
+  list_is_stale_ = true;
+  rebuild(0);
+  if (here == 0) {
+    totals_ = totals;
+    sweep_sums_ = sums;
+  }
+  gravity_referenced_ = false;
+  reference_gravity(referenced);
 }
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -110,8 +110,8 @@ inline WallColumns build_walls(const Grains& grains, const Walls& walls, const C
   launch(list.near_grains(),
          FillWalls{search, pointer(list.grain), pointer(list.start), pointer(list.candidate), pointer(list.state),
                    pointer(grains.old_of_new), had ? pointer(old.slot) : nullptr, pointer(old.start),
-                   pointer(old.candidate), static_cast<int>(old.slot.size()), pointer(old.state), pointer(old.history), pointer(list.history),
-                   old.history_stride, list.history_stride});
+                   pointer(old.candidate), static_cast<int>(old.slot.size()), pointer(old.state), pointer(old.history),
+                   pointer(list.history), old.history_stride, list.history_stride});
   if (walls.bodies()) {
     list.grain_of.resize(candidates);
     launch(list.near_grains(), NameGrains{pointer(list.grain), pointer(list.start), pointer(list.grain_of)});

@@ -5,7 +5,7 @@
 
 #include <barrier>
 #include <cmath>
-#include <mutex>
+#include <functional>
 #include <random>
 #include <string>
 #include <thread>
@@ -80,7 +80,7 @@ struct Case {
   int lanes = 0;
   std::string rolling = "brof";
   bool across = false;  // periodic across too
-  dem::Precision precision = dem::Precision::full;
+  bool late = false;    // the upper layers come later: then all the work is at one end
 };
 
 constexpr double length = 1.6, width = 0.24;
@@ -122,7 +122,13 @@ struct Outcome {
   std::string error;
 };
 
-Outcome run(const Case& c, Company* company, const std::vector<int>& windows, bool broken = false) {
+struct Track {
+  std::unique_ptr<dem::Simulation> sim;
+  int floor = -1, plate = -1;
+};
+
+/// Without grains.
+Track track(const Case& c, Company* company) {
   dem::set_threads(1);
   dem::Setup setup;
   setup.company = company;
@@ -133,63 +139,128 @@ Outcome run(const Case& c, Company* company, const std::vector<int>& windows, bo
   setup.interactions.assign(4, pair);
   setup.gravity = {0, 0, -9.81};
   setup.lanes = c.lanes;
-  setup.precision = c.precision;
   if (c.ring) setup.periods[0] = {0, length};
   if (c.across) setup.periods[1] = {0, width};
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
-  if (c.clumps) sim->add_shape(pair_of_spheres());
-  auto grains = bed(c);
-  if (broken) grains[grains.size() / 5].velocity.x = std::nan("");
-  sim->add_grains(grains);
-  const int floor = sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 1);
-  sim->set_wall_velocity(floor, {c.drift, 0, 0});
+  Track made{dem::Simulation::create(setup, dem::Backend::omp)};
+  auto& sim = *made.sim;
+  if (c.clumps) sim.add_shape(pair_of_spheres());
+  made.floor = sim.add_plane({{0, 0, 0}, {0, 0, 1}}, 1);
+  sim.set_wall_velocity(made.floor, {c.drift, 0, 0});
   if (!c.across) {
-    sim->add_plane({{0, 0, 0}, {0, 1, 0}}, 1);
-    sim->add_plane({{0, width, 0}, {0, -1, 0}}, 1);
+    sim.add_plane({{0, 0, 0}, {0, 1, 0}}, 1);
+    sim.add_plane({{0, width, 0}, {0, -1, 0}}, 1);
   }
   if (!c.ring) {
-    sim->add_plane({{0, 0, 0}, {1, 0, 0}}, 1);
-    sim->add_plane({{length, 0, 0}, {-1, 0, 0}}, 1);
+    sim.add_plane({{0, 0, 0}, {1, 0, 0}}, 1);
+    sim.add_plane({{length, 0, 0}, {-1, 0, 0}}, 1);
   }
-  int plate = -1;
-  if (c.body) {
-    base::Skin mesh;
-    mesh.nodes = {{-1, -1, 0.2}, {3, -1, 0.2}, {3, 1, 0.2}, {-1, 1, 0.2}};
-    mesh.facets = {{0, 1, 2, 3}};
-    plate = sim->add_mesh(mesh, 1, true);
-    sim->set_wall_body(plate, {.centre = {0.8, 0, 0.2}, .mass = 20, .inertia = {1, 1, 1}, .moves = {false, false, true},
-                               .damping = 1});
-    sim->set_wall_load(plate, {0, 0, -100}, {});
-  }
+  if (!c.body) return made;
+  base::Skin mesh;
+  mesh.nodes = {{-1, -1, 0.2}, {3, -1, 0.2}, {3, 1, 0.2}, {-1, 1, 0.2}};
+  mesh.facets = {{0, 1, 2, 3}};
+  made.plate = sim.add_mesh(mesh, 1, true);
+  sim.set_wall_body(
+      made.plate,
+      {.centre = {0.8, 0, 0.2}, .mass = 20, .inertia = {1, 1, 1}, .moves = {false, false, true}, .damping = 1});
+  sim.set_wall_load(made.plate, {0, 0, -100}, {});
+  return made;
+}
+
+Outcome look(const Track& of) {
   Outcome outcome;
-  try {
-    for (const int steps : windows) sim->advance(steps, 5e-5);
-  } catch (const base::UnstableError& error) {
-    outcome.error = error.what();
-    return outcome;
-  }
-  outcome.grains = sim->grains();
-  outcome.energy = sim->energy();
-  for (const auto& contact : sim->grain_contacts()) {
+  outcome.grains = of.sim->grains();
+  outcome.energy = of.sim->energy();
+  for (const auto& contact : of.sim->grain_contacts()) {
     outcome.contacts += 1;
     outcome.force += base::norm(contact.force);
   }
-  outcome.on_floor = sim->wall_impulse_on_grains(floor);
-  if (plate >= 0) outcome.body = sim->wall_body(plate).centre;
+  outcome.on_floor = of.sim->wall_impulse_on_grains(of.floor);
+  if (of.plate >= 0) outcome.body = of.sim->wall_body(of.plate).centre;
   return outcome;
 }
 
-std::vector<Outcome> run_in(int parts, const Case& c, const std::vector<int>& windows, bool broken = false) {
+constexpr double dt = 5e-5;
+
+Outcome run(const Case& c, Company* company, const std::vector<int>& windows, bool broken = false) {
+  const Track made = track(c, company);
+  auto grains = bed(c);
+  if (broken) grains[grains.size() / 5].velocity.x = std::nan("");
+  std::vector<dem::Grain> later;
+  if (c.late) std::erase_if(grains, [&](const dem::Grain& g) { return g.id < 760 && (later.push_back(g), true); });
+  made.sim->add_grains(grains);
+  try {
+    for (std::size_t k = 0; k < windows.size(); ++k) {
+      if (k == 10) made.sim->add_grains(later);
+      made.sim->advance(windows[k], dt);
+    }
+  } catch (const base::UnstableError& error) {
+    Outcome failed;
+    failed.error = error.what();
+    return failed;
+  }
+  return look(made);
+}
+
+/// Runs `work` in each part, which gets its company; null for one part.
+void in_parts(int parts, const Case& c, const std::function<void(int, Company*)>& work) {
+  if (parts == 1) return work(0, nullptr);
   Desk desk(parts, c.ring);
-  std::vector<Outcome> outcomes(parts);
   std::vector<std::thread> threads;
   for (int p = 0; p < parts; ++p)
     threads.emplace_back([&, p] {
       ThreadCompany company(desk, p);
-      outcomes[p] = run(c, &company, windows, broken);
+      work(p, &company);
     });
   for (auto& thread : threads) thread.join();
+}
+
+std::vector<Outcome> run_in(int parts, const Case& c, const std::vector<int>& windows, bool broken = false) {
+  std::vector<Outcome> outcomes(parts);
+  in_parts(parts, c, [&](int part, Company* company) { outcomes[part] = run(c, company, windows, broken); });
   return outcomes;
+}
+
+/// Against the whole: what the parts have come to together.
+void expect_whole(const Case& c, const Outcome& whole, const std::vector<Outcome>& outcomes, double rounding) {
+  Outcome all;
+  double moved = 0, fastest = 0, differs = 0, turns = 0;
+  for (const auto& part : outcomes) {
+    ASSERT_EQ(part.error, "");
+    EXPECT_GT(part.grains.size(), whole.grains.size() / outcomes.size() / 3);
+    all.grains.insert(all.grains.end(), part.grains.begin(), part.grains.end());
+    all.contacts += part.contacts;
+    all.force += part.force;
+    all.on_floor += part.on_floor;
+    EXPECT_LE(base::norm(part.body - whole.body), rounding * 0.02);
+  }
+  std::sort(all.grains.begin(), all.grains.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  ASSERT_EQ(all.grains.size(), whole.grains.size());
+  for (std::size_t g = 0; g < all.grains.size(); ++g) {
+    const dem::Grain &a = all.grains[g], &b = whole.grains[g];
+    ASSERT_EQ(a.id, b.id);
+    EXPECT_EQ(a.radius, b.radius);
+    Vec3 apart = a.position - b.position;
+    if (c.ring) apart.x -= length * std::round(apart.x / length);
+    moved = std::max(moved, base::norm(apart));
+    fastest = std::max(fastest, base::norm(b.velocity));
+    differs = std::max(differs, base::norm(a.velocity - b.velocity));
+    turns = std::max(turns, base::norm(a.angular_velocity - b.angular_velocity));
+  }
+  EXPECT_LE(moved, rounding * 0.02);
+  EXPECT_LE(differs, rounding * fastest);
+  EXPECT_LE(turns, rounding * fastest / 0.02);
+  EXPECT_EQ(all.contacts, whole.contacts);
+  EXPECT_NEAR(all.force, whole.force, 1e3 * rounding * whole.force);
+  EXPECT_LE(base::norm(all.on_floor - whole.on_floor), 1e3 * rounding * base::norm(whole.on_floor));
+  const auto total = [&](double base::Energy::*term) {
+    double sum = 0;
+    for (const auto& part : outcomes) sum += part.energy.*term;
+    return sum;
+  };
+  using E = base::Energy;
+  for (double E::*term : {&E::kinetic, &E::elastic_normal, &E::elastic_shear, &E::work_gravity, &E::loss_friction,
+                          &E::loss_contact_damping, &E::loss_rolling, &E::loss_damping, &E::work_walls, &E::work_loads})
+    EXPECT_NEAR(total(term), whole.energy.*term, 1e3 * rounding * whole.energy.kinetic + 1e-12);
 }
 
 void expect_the_same(const Case& c, const std::vector<int>& windows, double rounding = 1e-9) {
@@ -197,47 +268,7 @@ void expect_the_same(const Case& c, const std::vector<int>& windows, double roun
   ASSERT_EQ(whole.error, "");
   for (const int parts : {2, 3, 4}) {
     SCOPED_TRACE(std::to_string(parts) + " parts");
-    Outcome all;
-    double moved = 0, fastest = 0, differs = 0, turns = 0;
-    const auto outcomes = run_in(parts, c, windows);
-    for (const auto& part : outcomes) {
-      ASSERT_EQ(part.error, "");
-      EXPECT_GT(part.grains.size(), whole.grains.size() / parts / 3);
-      all.grains.insert(all.grains.end(), part.grains.begin(), part.grains.end());
-      all.contacts += part.contacts;
-      all.force += part.force;
-      all.on_floor += part.on_floor;
-      EXPECT_LE(base::norm(part.body - whole.body), rounding * 0.02);
-    }
-    std::sort(all.grains.begin(), all.grains.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-    ASSERT_EQ(all.grains.size(), whole.grains.size());
-    for (std::size_t g = 0; g < all.grains.size(); ++g) {
-      const dem::Grain &a = all.grains[g], &b = whole.grains[g];
-      ASSERT_EQ(a.id, b.id);
-      EXPECT_EQ(a.radius, b.radius);
-      Vec3 apart = a.position - b.position;
-      if (c.ring) apart.x -= length * std::round(apart.x / length);
-      moved = std::max(moved, base::norm(apart));
-      fastest = std::max(fastest, base::norm(b.velocity));
-      differs = std::max(differs, base::norm(a.velocity - b.velocity));
-      turns = std::max(turns, base::norm(a.angular_velocity - b.angular_velocity));
-    }
-    EXPECT_LE(moved, rounding * 0.02);
-    EXPECT_LE(differs, rounding * fastest);
-    EXPECT_LE(turns, rounding * fastest / 0.02);
-    EXPECT_EQ(all.contacts, whole.contacts);
-    EXPECT_NEAR(all.force, whole.force, 1e3 * rounding * whole.force);
-    EXPECT_LE(base::norm(all.on_floor - whole.on_floor), 1e3 * rounding * base::norm(whole.on_floor));
-    const auto total = [&](double base::Energy::*term) {
-      double sum = 0;
-      for (const auto& part : outcomes) sum += part.energy.*term;
-      return sum;
-    };
-    using E = base::Energy;
-    for (double E::*term : {&E::kinetic, &E::elastic_normal, &E::elastic_shear, &E::work_gravity, &E::loss_friction,
-                            &E::loss_contact_damping, &E::loss_rolling, &E::loss_damping, &E::work_walls,
-                            &E::work_loads})
-      EXPECT_NEAR(total(term), whole.energy.*term, 1e3 * rounding * whole.energy.kinetic + 1e-12);
+    expect_whole(c, whole, run_in(parts, c, windows), rounding);
   }
 }
 
@@ -262,6 +293,17 @@ TEST(Slabs, GoOnWhereGrainsMigrateOneByOne) {
   expect_the_same({.ring = true, .drift = 4, .lanes = 1, .rolling = "type_c"}, {600, 600, 600, 600}, 1e-7);
 }
 
+TEST(Slabs, AreCutAnewWhereWorkComesLater) {
+  const Case late{.late = true};
+  expect_the_same(late, std::vector<int>(300, 5));
+  std::size_t most = 0, least = 1000000;
+  for (const auto& part : run_in(3, late, std::vector<int>(300, 5))) {
+    most = std::max(most, part.grains.size());
+    least = std::min(least, part.grains.size());
+  }
+  EXPECT_LT(static_cast<double>(most), 1.2 * static_cast<double>(least));
+}
+
 TEST(Slabs, StopTogether) {
   int blamed = 0;
   for (const auto& part : run_in(3, {}, {10}, true)) {
@@ -272,21 +314,66 @@ TEST(Slabs, StopTogether) {
 }
 
 TEST(Slabs, TooThinAreRefused) {
-  Desk desk(30, false);
   std::vector<std::string> errors(30);
-  std::vector<std::thread> threads;
-  for (int p = 0; p < 30; ++p)
-    threads.emplace_back([&, p] {
-      ThreadCompany company(desk, p);
-      try {
-        run({}, &company, {1});
-      } catch (const base::UserError& error) {
-        errors[p] = error.what();
-      }
-    });
-  for (auto& thread : threads) thread.join();
+  in_parts(30, {}, [&](int part, Company* company) {
+    try {
+      run({}, company, {1});
+    } catch (const base::UserError& error) {
+      errors[part] = error.what();
+    }
+  });
   for (const auto& error : errors) EXPECT_NE(error.find("use fewer ranks for grains"), std::string::npos) << error;
 }
+
+// Saved by so many parts, restored by as many: the same bits. By another number, and by the whole: the same to
+// rounding, at once and later.
+void expect_restart(const Case& c) {
+  constexpr int before = 1200, after = 400;
+  const Outcome whole = run(c, nullptr, {before, after}), there = run(c, nullptr, {before});
+  for (const int parts : {1, 2, 3}) {
+    std::vector<base::Columns> saved(parts);
+    std::vector<Outcome> straight(parts);
+    in_parts(parts, c, [&](int part, Company* company) {
+      const Track made = track(c, company);
+      made.sim->add_grains(bed(c));
+      made.sim->advance(before, dt);
+      saved[part] = made.sim->save();
+      made.sim->advance(after, dt);
+      straight[part] = look(made);
+    });
+    for (const int others : {1, 2, 4, parts}) {
+      SCOPED_TRACE(std::to_string(parts) + " parts, then " + std::to_string(others));
+      std::vector<Outcome> at_once(others), later(others);
+      in_parts(others, c, [&](int part, Company* company) {
+        const Track made = track(c, company);
+        if (others == parts)
+          made.sim->restore(saved[part]);
+        else
+          made.sim->restore_parts(saved);
+        at_once[part] = look(made);
+        at_once[part].on_floor = {};  // of an advance() that others have made
+        made.sim->advance(after, dt);
+        later[part] = look(made);
+      });
+      Outcome then = there;
+      then.on_floor = {};
+      expect_whole(c, then, at_once, 1e-8);
+      expect_whole(c, whole, later, 1e-7);
+      if (others != parts) continue;
+      for (int part = 0; part < parts; ++part) {
+        ASSERT_EQ(later[part].grains.size(), straight[part].grains.size());
+        for (std::size_t g = 0; g < later[part].grains.size(); ++g) {
+          const dem::Grain &a = later[part].grains[g], &b = straight[part].grains[g];
+          EXPECT_EQ(a.id, b.id);
+          EXPECT_EQ(base::norm(a.position - b.position) + base::norm(a.velocity - b.velocity), 0);
+        }
+      }
+    }
+  }
+}
+TEST(Slabs, GoOnFromACheckpoint) { expect_restart({.ring = true, .drift = 4, .rolling = "type_c"}); }
+TEST(Slabs, OfClumpsGoOnFromACheckpoint) { expect_restart({.clumps = true, .body = true}); }
+TEST(Slabs, GoOnFromACheckpointOneByOne) { expect_restart({.drift = 1, .lanes = 1}); }
 
 TEST(SlabCuts, ShareTheWork) {
   dem::SlabWork work{.low = 0, .high = 10, .bins = std::vector<double>(100)};
