@@ -157,7 +157,7 @@ void System::walk(Self& self, Walk& walk) {
   walk.rows("images/owner", self.images_.owner);
   walk.rows("images/shift", self.images_.shift);
   int parts = self.in_company() ? self.setup_.company->parts() : 1;
-  walk.numbers("parts", parts, self.ghosts_.first);
+  walk.numbers("ghosts/parts", parts, self.ghosts_.first);
   if (parts > 1) walk_ghosts(self.ghosts_, walk);
   walk_pairs(self.pairs_, walk);
   Walls::walk(self.walls_, walk);
@@ -182,7 +182,7 @@ inline base::Columns System::save() const {
 inline void System::restore(const base::Columns& columns) {
   base::require_internal(grains_.size() == 0, "a state goes into a new simulation");
   int parts = 0, first_ghost = 0;
-  base::Loader(columns).numbers("parts", parts, first_ghost);
+  base::Loader(columns).numbers("ghosts/parts", parts, first_ghost);
   if (parts != (in_company() ? setup_.company->parts() : 1)) return restore_parts({&columns, 1});
   load(columns);
 }
