@@ -148,9 +148,22 @@ int main(int argc, char** argv) {
           "go on from a checkpoint: a file, a run directory (its newest), or auto (the run directory's, if it has "
           "one)")
       ->type_name("FILE");
+  run_command
+      ->add_option("--dem-ranks", arguments.options.ranks.dem_ranks,
+                   "how many ranks of mpirun hold grains, a slab of the track each; the others hold the bodies "
+                   "(default: 1; all in a scene without bodies)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("D");
+  run_command
+      ->add_option("--role", arguments.options.ranks.role,
+                   "what the ranks of this part of an mpirun line hold: grains (dem) or bodies (fem)")
+      ->check(CLI::IsMember({"dem", "fem"}));
   run_command->add_option("--until", arguments.until, "stop early at this simulated time")->type_name("TIME");
   run_command->footer(
       "Example: trackbed run configs/cantilever_step.toml --out runs/beam --set body.hex8.element=tet4\n"
+      "Ranks: mpirun -n 4 trackbed run SCENE --dem-ranks 2, or mpirun -n 2 trackbed run SCENE --role dem : -n 2 "
+      "trackbed "
+      "run SCENE --role fem\n"
       "Checkpoints: [output] checkpoint_interval, checkpoint_wall_time; SIGUSR1 asks for one; SIGINT and SIGTERM leave "
       "one and end the run.\nTo go on: trackbed run configs/cantilever_step.toml --restart runs/beam");
 

@@ -47,7 +47,8 @@ void run_modal(Setup& setup, const std::filesystem::path& directory, Summary& su
   summary.scene = setup.scene.file.string();
   summary.title = setup.scene.title;
   summary.solver = solver_name(setup.scene.solver.kind);
-  summary.ranks = roles.size;
+  summary.ranks = roles.all_ranks;
+  summary.fem_ranks = roles.fem_ranks;
   summary.backend = "none";
   for (const auto& body : setup.body_counts) summary.elements += body.elements;
   summary.seconds["fem"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -48,7 +48,7 @@ double median_size(const dem::SieveCurve& curve) {
 
 }  // namespace
 
-Packer::Packer(const Scene& scene, const std::vector<base::Skin>& skins, dem::Backend backend)
+Packer::Packer(const Scene& scene, const std::vector<base::Skin>& skins, dem::Backend backend, const MakeGrains& make)
     : scene_(scene),
       packing_(*scene.grains->packing),
       skins_(skins),
@@ -70,7 +70,7 @@ Packer::Packer(const Scene& scene, const std::vector<base::Skin>& skins, dem::Ba
   setup.maximum_overlap = scene.grains->maximum_overlap;
   setup.periods = scene.grains->periods;
   setup.track_energy = false;
-  simulation_ = dem::Simulation::create(setup, backend);
+  simulation_ = make(setup, backend);
   add_shapes(*simulation_, scene.grains->shapes);
   simulation_->set_grain_damping(packing_.grain_damping);
   use_interactions(Friction::of_packing);

@@ -24,7 +24,7 @@ class Packer {
  public:
   /// Throws base::UserError when the scene cannot be packed.
   /// `skins`: of arriving_surfaces().
-  Packer(const Scene&, const std::vector<base::Skin>& skins, dem::Backend);
+  Packer(const Scene&, const std::vector<base::Skin>& skins, dem::Backend, const MakeGrains&);
   /// The packed grains at rest, by id; fills porosity and coordination. Once per object.
   std::vector<dem::Grain> run(PackingReport&);
 

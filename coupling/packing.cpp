@@ -51,7 +51,7 @@ void sort_by_place(std::vector<dem::Grain>& grains, std::int64_t first_id) {
 /// Packs until the porosity is within the tolerance. Denser than asked: more friction, and the other way round; between
 /// none and the grains' own, halving the interval. The nearest bed is kept.
 std::vector<dem::Grain> pack_to_target(const Scene& scene, const std::vector<base::Skin>& skins, dem::Backend backend,
-                                       PackingReport& report) {
+                                       PackingReport& report, const MakeGrains& make) {
   constexpr double same_friction = 1e-3;
   Scene tried = scene;
   Packing& packing = *tried.grains->packing;
@@ -60,7 +60,7 @@ std::vector<dem::Grain> pack_to_target(const Scene& scene, const std::vector<bas
   for (int attempt = 1;; ++attempt) {
     PackingReport found;
     found.friction = packing.friction;
-    std::vector<dem::Grain> grains = Packer(tried, skins, backend).run(found);
+    std::vector<dem::Grain> grains = Packer(tried, skins, backend, make).run(found);
     const double miss = found.porosity - packing.target_porosity;
     if (attempt == 1 || std::abs(miss) < std::abs(report.porosity - packing.target_porosity)) {
       best = std::move(grains);
@@ -112,7 +112,7 @@ dem::Interaction while_packing(const dem::Interaction& between, const Packing& p
 }
 
 std::vector<dem::Grain> pack(const Scene& scene, const std::vector<base::Skin>& skins, dem::Backend backend,
-                             PackingReport& report) {
+                             PackingReport& report, const MakeGrains& make) {
   base::require_internal(scene.grains && scene.grains->packing, "pack() needs a scene with a packing");
   const auto start = std::chrono::steady_clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
@@ -127,7 +127,7 @@ std::vector<dem::Grain> pack(const Scene& scene, const std::vector<base::Skin>& 
       return *cached;
     }
   }
-  std::vector<dem::Grain> grains = pack_to_target(scene, surfaces, backend, report);
+  std::vector<dem::Grain> grains = pack_to_target(scene, surfaces, backend, report, make);
   std::int64_t first_id = 0;  // grains that the scene lists keep their own ids
   for (const dem::Grain& grain : scene.grains->list) first_id = std::max(first_id, grain.id + 1);
   sort_by_place(grains, first_id);

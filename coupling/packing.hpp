@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "coupling/make_grains.hpp"
 #include "coupling/scene.hpp"
 
 namespace coupling {
@@ -30,7 +31,8 @@ struct PackingReport {
 /// Throws base::UserError when the scene cannot be packed, or the porosity reached is outside the scene's tolerance.
 /// Deterministic: the same scene gives bit-identical grains on the same backend and number of threads; the cache does
 /// not look at that number.
-std::vector<dem::Grain> pack(const Scene&, const std::vector<base::Skin>& skins, dem::Backend, PackingReport&);
+std::vector<dem::Grain> pack(const Scene&, const std::vector<base::Skin>& skins, dem::Backend, PackingReport&,
+                             const MakeGrains& = dem::Simulation::create);
 
 /// The scene's interaction as beds are made with it: friction that falls with stress is the classical one there, so
 /// that one bed serves the tests of both (Irazabal2017 6.3.2, 6.3.4).

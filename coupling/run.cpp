@@ -91,13 +91,13 @@ void finish(const Setup& setup, const fs::path& directory, const FailureText& fa
 
 fs::path parent_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-}  // namespace
-
-void run(const RunOptions& options) {
+/// The life of a rank, from the scene on.
+void run_rank(const RunOptions& options) {
   Summary summary;
   Setup setup(MPI_COMM_WORLD, options);
   const Roles& roles = *setup.roles;
   const auto kept = open_log(roles.is_root());
+  if (roles.is_worker) return serve_slabs(roles.dem);
   const CheckpointWatch watch;
   fs::path directory = options.out.value_or(fs::path("runs") / options.scene.stem());
   const auto restart = find_restart(options, setup.scene, roles, directory);
@@ -150,6 +150,12 @@ void run(const RunOptions& options) {
   if (roles.is_root()) spdlog::default_logger()->flush();
   raise(failure);
   raise(written);
+}
+
+}  // namespace
+
+void run(const RunOptions& options) {
+  agree(MPI_COMM_WORLD, [&] { run_rank(options); });  // workers learn how the run has ended
 }
 
 }  // namespace coupling

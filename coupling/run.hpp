@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "coupling/roles.hpp"
 #include "coupling/scene.hpp"
 
 namespace coupling {
@@ -17,7 +18,8 @@ struct RunOptions {
   std::optional<double> until;   // [s] stop early at this simulated time
   std::string backend = "auto";  // auto | omp | cuda
   int threads = 0;               // 0: chosen
-  std::string restart;           // a checkpoint, a folder that holds some, or `auto`; empty: from the start
+  RankWishes ranks;
+  std::string restart;  // a checkpoint, a folder that holds some, or `auto`; empty: from the start
 };
 
 /// Collective over MPI_COMM_WORLD. Throws the same base:: error on every rank.

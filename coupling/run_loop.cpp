@@ -400,7 +400,9 @@ void RunLoop::close_summary() {
   summary_.scene = setup_.scene.file.string();
   summary_.title = setup_.scene.title;
   summary_.time_simulated = time_;
-  summary_.ranks = roles.size;
+  summary_.ranks = roles.all_ranks;
+  summary_.dem_ranks = roles.dem_ranks;
+  summary_.fem_ranks = roles.fem_ranks;
   summary_.threads = setup_.threads;
   summary_.backend = setup_.grains ? (setup_.backend == dem::Backend::cuda ? "cuda" : "omp") : "none";
   if (setup_.scene.grains && setup_.scene.grains->precision == dem::Precision::mixed) summary_.precision = "mixed";

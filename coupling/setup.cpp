@@ -12,18 +12,20 @@
 #include "coupling/checkpoint.hpp"
 #include "coupling/model_checks.hpp"
 #include "coupling/packing.hpp"
+#include "coupling/slab_simulation.hpp"
 #include "coupling/wall_mesh.hpp"
 
 namespace coupling {
 
 namespace {
 
-/// Threads for the grains: the cores this process may use, less those of the FEM ranks beside it, but not more than the
-/// grains can feed.
-int sensible_threads(int asked, std::size_t grains, int other_ranks) {
+/// Threads for the grains of each DEM rank: its share of the cores this process may use, less those of the FEM ranks
+/// beside it when they `work`, but not more than the grains can feed.
+int sensible_threads(int asked, std::size_t grains, const Roles& roles, bool work) {
+  static const int cores = omp_get_max_threads();
   if (asked > 0) return asked;
-  const int useful = std::max<int>(1, static_cast<int>(grains / 2000));
-  return std::clamp(omp_get_max_threads() - other_ranks, 1, useful);
+  const std::size_t useful = grains / 2000 / static_cast<std::size_t>(roles.dem_ranks);
+  return std::clamp((cores - (work ? roles.fem_here : 0)) / roles.dem_here, 1, std::max(1, static_cast<int>(useful)));
 }
 
 std::size_t expected_grains(const GrainsScene& scene) {
@@ -44,9 +46,12 @@ void check_probes(const Scene& scene, const fem::Model& bodies) {
 
 }  // namespace
 
-Setup::Setup(MPI_Comm world, const RunOptions& options_) : options(options_) {
-  agree(world, [&] { scene = read_scene(options.scene, options.overrides); });
-  agree(world, [&] { roles = std::make_unique<Roles>(world, scene); });
+Setup::Setup(MPI_Comm all, const RunOptions& options_) : options(options_) {
+  agree(all, [&] { scene = read_scene(options.scene, options.overrides); });
+  agree(all, [&] { roles = std::make_unique<Roles>(all, scene, options.ranks); });
+  if (roles->is_worker) return;
+  if (roles->is_dem && roles->dem_ranks > 1) slabs = std::make_unique<SlabCrew>(roles->dem);
+  const MPI_Comm world = roles->world;
   agree(world, [&] {
     if (!roles->is_fem) return;
     library = std::make_unique<fem::Library>(roles->fem);
@@ -89,8 +94,20 @@ void Setup::choose_backend() {
     spdlog::info("grains.precision = \"mixed\": grains run on the processor's cores, not on the GPU");
   if (dem::cuda_built() && !usable && options.backend == "auto")
     spdlog::info("no usable GPU ({}): grains run on the processor's cores", why_not);
-  threads = sensible_threads(options.threads, expected_grains(*scene.grains), roles->size - 1);
-  dem::set_threads(threads);
+  threads = sensible_threads(options.threads, expected_grains(*scene.grains), *roles, true);
+  use_threads(threads);
+}
+
+void Setup::use_threads(int number) {
+  if (slabs)
+    slabs->set_threads(number);
+  else
+    dem::set_threads(number);
+}
+
+MakeGrains Setup::maker() const {
+  if (!slabs) return dem::Simulation::create;
+  return [this](const dem::Setup& setup, dem::Backend where) { return slabs->make(setup, where); };
 }
 
 int Setup::add_mesh_wall(const WallScene& wall) {
@@ -130,7 +147,7 @@ void Setup::make_simulation() {
   dem_setup.precision = part.precision;
   dem_setup.periods = part.periods;
   dem_setup.maximum_overlap = part.maximum_overlap;
-  grains = dem::Simulation::create(dem_setup, backend);
+  grains = maker()(dem_setup, backend);
   add_shapes(*grains, part.shapes);
 }
 
@@ -141,9 +158,9 @@ void Setup::place_grains(Summary& summary) {
     std::vector<dem::Grain> list = part.list;
     if (part.packing) {
       PackingReport report;
-      dem::set_threads(sensible_threads(options.threads, expected_grains(part), 0));  // the other ranks wait
-      const auto packed = pack(scene, skins, backend, report);
-      dem::set_threads(threads);
+      use_threads(sensible_threads(options.threads, expected_grains(part), *roles, false));
+      const auto packed = pack(scene, skins, backend, report, maker());
+      use_threads(threads);
       list.insert(list.end(), packed.begin(), packed.end());
       summary.packed = true;
       summary.packing_wall = report.seconds;
@@ -192,11 +209,13 @@ void Setup::save(base::Columns& run, const Summary& summary) const { walk(*this,
 
 void Setup::restore(const Restart& restart, Summary& summary) {
   agree(roles->world, [&] {
+    const auto columns = group_of(restart.columns, "grains/");
+    if (roles->is_dem) require_parts(columns, roles->dem_ranks, restart.file.string());
     try {
       if (roles->is_dem) {
         make_simulation();
         add_walls();
-        grains->restore(group_of(restart.columns, "grains/"));
+        grains->restore(columns);
       }
       walk(*this, summary, base::Loader(group_of(restart.columns, "run/")));
       if (bodies) bodies->restore(group_of(restart.columns, "bodies/"));

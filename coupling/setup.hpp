@@ -11,6 +11,7 @@
 #include "coupling/roles.hpp"
 #include "coupling/run.hpp"
 #include "coupling/scene.hpp"
+#include "coupling/slab_server.hpp"
 #include "coupling/summary.hpp"
 #include "coupling/window.hpp"
 
@@ -21,7 +22,8 @@ struct Restart;
 class Setup {
  public:
   /// Reads and checks the scene, splits the ranks, meshes the bodies. Collective; throws the same error on every rank.
-  Setup(MPI_Comm world, const RunOptions&);
+  /// A worker has nothing but scene and roles afterwards.
+  Setup(MPI_Comm all, const RunOptions&);
   ~Setup();
   Setup(const Setup&) = delete;
   Setup& operator=(const Setup&) = delete;
@@ -50,9 +52,10 @@ class Setup {
   std::unique_ptr<fem::Library> library;    // FEM ranks
   std::unique_ptr<fem::Model> bodies;       // FEM ranks
   std::unique_ptr<Exchange> exchange;       // coupled scenes
+  std::unique_ptr<SlabCrew> slabs;          // DEM rank, when there are others
   std::unique_ptr<dem::Simulation> grains;  // DEM rank
   dem::Backend backend = dem::Backend::omp;
-  int threads = 1;
+  int threads = 1;                           // of every DEM rank
   std::vector<base::Skin> skins;             // every rank
   std::vector<int> skin_walls;               // DEM rank: wall number of each skin
   std::vector<int> named_walls;              // DEM rank: wall number of each scene wall, -1 for packing-only ones
@@ -65,6 +68,8 @@ class Setup {
   template <class Self, class Of, class Walk>
   static void walk(Self&, Of& summary, Walk&&);
   void make_simulation();
+  MakeGrains maker() const;
+  void use_threads(int);
   void choose_backend();
   void add_walls();
   int add_mesh_wall(const WallScene&);

@@ -104,6 +104,8 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
   json["wall_s"] = run.wall;
   if (!run.restarted_from.empty()) json["restarted_from"] = run.restarted_from;
   json["ranks"] = run.ranks;
+  json["dem_ranks"] = run.dem_ranks;
+  json["fem_ranks"] = run.fem_ranks;
   json["threads"] = run.threads;
   json["backend"] = run.backend;
   json["precision"] = run.precision;

@@ -16,8 +16,9 @@ struct Summary {
   double time_simulated = 0, wall = 0, packing_wall = 0;  // [s]
   double earlier_wall = 0;                                // [s] before the run was restarted
   std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
-  std::string restarted_from;  // checkpoint; empty: from the start
-  int ranks = 1, threads = 1;
+  std::string restarted_from;                   // checkpoint; empty: from the start
+  int ranks = 1, dem_ranks = 0, fem_ranks = 0;  // a lone rank may be of both kinds
+  int threads = 1;                              // of every DEM rank
   std::string backend, precision = "double";
   std::string solver;                 // of the bodies; empty without any
   std::vector<fem::BodyModes> modes;  // of a modal scene

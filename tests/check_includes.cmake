@@ -8,7 +8,7 @@ set(allowed_base base)
 set(allowed_dem base dem)
 set(allowed_fem base fem)
 set(allowed_coupling base coupling)
-set(facades dem/dem.hpp dem/output.hpp dem/grading.hpp dem/insertion.hpp dem/clump.hpp dem/dimensions.hpp dem/stone.hpp dem/clump_builder.hpp
+set(facades dem/dem.hpp dem/company.hpp dem/output.hpp dem/grading.hpp dem/insertion.hpp dem/clump.hpp dem/dimensions.hpp dem/stone.hpp dem/clump_builder.hpp
     dem/stone_library.hpp dem/measure/region.hpp dem/measure/heap.hpp dem/measure/stress.hpp
     dem/measure/contact_numbers.hpp dem/measure/contact_forces.hpp fem/fem.hpp)
 

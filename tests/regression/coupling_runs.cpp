@@ -14,6 +14,8 @@ TEST(Runs, QuickSleeperFromPackingToResults) {
   const auto json = summary(out);
   EXPECT_EQ(json["status"], "completed");
   EXPECT_EQ(json["ranks"], 2);
+  EXPECT_EQ(json["dem_ranks"], 1);
+  EXPECT_EQ(json["fem_ranks"], 1);
   // What one side gives the other takes: only rounding may be lost.
   EXPECT_LE(json["momentum_error"].get<double>(), 1e-12);
   EXPECT_GT(json["momentum_error"].get<double>(), 0);
@@ -259,7 +261,7 @@ TEST(Runs, CheckTellsWhatASceneSwitchesOn) {
   EXPECT_EQ(sleeper.output.find("no neighbour search"), std::string::npos) << sleeper.output;
 }
 
-TEST(Runs, MoreRanksThanAGrainSceneCanUseAreRefused) {
+TEST(Runs, AllRanksOfAGrainSceneHoldGrains) {
   const fs::path file = scratch() / "grains.toml";
   std::ofstream(file)
       << "title = \"one grain\"\n[grains]\nmaterial = { young_modulus = \"1 GPa\", poisson_ratio = 0.2, "
@@ -270,8 +272,39 @@ TEST(Runs, MoreRanksThanAGrainSceneCanUseAreRefused) {
   EXPECT_EQ(one.status, 0) << one.output;
   EXPECT_FALSE(summary(scratch() / "one_grain")["wall_share"].contains("fem"));
   const auto two = trackbed("run " + file.string() + " --out " + (scratch() / "two").string(), 2);
-  EXPECT_EQ(two.status, 2) << two.output;
-  EXPECT_NE(two.output.find("one rank does all its work"), std::string::npos) << two.output;
+  EXPECT_EQ(two.status, 0) << two.output;
+  EXPECT_EQ(summary(scratch() / "two")["ranks"], 2);
+  EXPECT_EQ(summary(scratch() / "two")["dem_ranks"], 2);
+  const auto other = trackbed("run " + file.string() + " --dem-ranks 1 --out " + (scratch() / "other").string(), 2);
+  EXPECT_EQ(other.status, 2) << other.output;
+  EXPECT_NE(other.output.find("no deformable body, so all of 2 ranks hold grains"), std::string::npos) << other.output;
+}
+
+// Parts of one mpirun line, each with its role; the solids' first. The same run as by numbers.
+TEST(Runs, RolesGivenOnTheCommandLine) {
+  const std::string run = "run " + scene("grain_on_block.toml") + " --until 1e-3 --threads 1 --out ";
+  const auto by_number = trackbed(run + (scratch() / "by_number").string(), 2);
+  ASSERT_EQ(by_number.status, 0) << by_number.output;
+  const std::string with_roles = run + (scratch() / "by_role").string();
+  const auto by_role =
+      trackbed(with_roles + " --role fem : -n 1 '" + TRACKBED_PROGRAM + "' " + with_roles + " --role dem", 1);
+  ASSERT_EQ(by_role.status, 0) << by_role.output;
+  EXPECT_EQ(slurp(scratch() / "by_role" / "history.csv"), slurp(scratch() / "by_number" / "history.csv"));
+  const auto alone = trackbed(with_roles + " --overwrite --role fem", 2);
+  EXPECT_EQ(alone.status, 2) << alone.output;
+  EXPECT_NE(alone.output.find("all of 2 ranks have the role fem"), std::string::npos) << alone.output;
+}
+
+// The grains of a coupled scene on two ranks; a failure ends all ranks with its own status.
+TEST(Runs, FailuresOfSeveralDemRanksEndAllRanks) {
+  const std::string run =
+      "run " + scene("grain_on_block.toml") + " --dem-ranks 2 --overwrite --out " + (scratch() / "slabs").string();
+  const auto late = trackbed(run + " --restart nowhere.h5", 3);
+  EXPECT_EQ(late.status, 2) << late.output;
+  EXPECT_NE(late.output.find("nowhere.h5"), std::string::npos) << late.output;
+  const auto few = trackbed(run, 2);
+  EXPECT_EQ(few.status, 2) << few.output;
+  EXPECT_NE(few.output.find("start mpirun with -n 3 or more"), std::string::npos) << few.output;
 }
 
 // A signal in the middle of a run: summary and pictures are there and can be read.

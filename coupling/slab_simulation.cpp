@@ -1,0 +1,183 @@
+#include "coupling/slab_simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "base/error.hpp"
+#include "coupling/agree.hpp"
+#include "coupling/checkpoint.hpp"
+
+namespace coupling {
+
+namespace {
+
+dem::StableStep shortest(const std::vector<dem::StableStep>& steps) {
+  return *std::ranges::min_element(steps, {}, &dem::StableStep::limit);
+}
+
+std::string group(int part) { return fmt::format("part_{}/", part); }
+
+}  // namespace
+
+void require_parts(const base::Columns& columns, int dem_ranks, const std::string& origin) {
+  const auto& parts = base::column<std::vector<int>>(columns, "parts");
+  const int written = parts.size() == 1 ? parts[0] : 1;
+  base::require_user(written == dem_ranks,
+                     fmt::format("{}: written with {} DEM rank{}, this run has {}; restart with --dem-ranks {}, or "
+                                 "start a new run without --restart",
+                                 origin, written, written > 1 ? "s" : "", dem_ranks, written));
+}
+
+SlabSimulation::SlabSimulation(SlabCrew& crew, int number) : crew_(crew), number_(number) {}
+
+SlabSimulation::~SlabSimulation() {
+  static_cast<void>(caught([&] { crew_.order(ByteWriter(destroy_slab, number_).bytes()); }));
+}
+
+/// What the parts answer, by rank; nothing where the call gives nothing.
+template <auto call, class... A>
+auto SlabSimulation::all(const A&... arguments) const {
+  auto answers = crew_.order(ByteWriter(order_of<call>(), number_, arguments...).bytes());
+  if constexpr (!std::is_void_v<ResultOf<call>>) {
+    std::vector<ResultOf<call>> results;
+    for (ByteReader& answer : answers) results.push_back(answer.get<ResultOf<call>>());
+    return results;
+  }
+}
+
+/// Lists of the parts, one after the other.
+template <auto call, class... A>
+auto SlabSimulation::joined(const A&... arguments) const {
+  auto lists = all<call>(arguments...);
+  for (std::size_t part = 1; part < lists.size(); ++part)
+    lists[0].insert(lists[0].end(), lists[part].begin(), lists[part].end());
+  return std::move(lists[0]);
+}
+
+int SlabSimulation::add_shape(const dem::Clump& shape) { return all<&Sim::add_shape>(shape)[0]; }
+void SlabSimulation::add_grains(std::span<const dem::Grain> grains) { all<&Sim::add_grains>(grains); }
+void SlabSimulation::remove_grains(std::span<const std::int64_t> ids) { all<&Sim::remove_grains>(ids); }
+void SlabSimulation::set_grains(std::span<const dem::Grain> grains) { all<&Sim::set_grains>(grains); }
+void SlabSimulation::scale_grains(std::span<const std::int64_t> ids, double factor) {
+  all<&Sim::scale_grains>(ids, factor);
+}
+void SlabSimulation::set_material(int number, const dem::Material& material) {
+  all<&Sim::set_material>(number, material);
+}
+void SlabSimulation::set_interaction(int a, int b, const dem::Interaction& interaction) {
+  all<&Sim::set_interaction>(a, b, interaction);
+}
+void SlabSimulation::set_gravity(dem::Vec3 gravity) { all<&Sim::set_gravity>(gravity); }
+void SlabSimulation::set_grain_damping(double alpha) { all<&Sim::set_grain_damping>(alpha); }
+
+std::vector<dem::Grain> SlabSimulation::grains() const {
+  auto list = joined<&Sim::grains>();
+  std::ranges::sort(list, {}, &dem::Grain::id);
+  return list;
+}
+
+std::vector<dem::GrainSphere> SlabSimulation::spheres() const {
+  auto list = joined<&Sim::spheres>();
+  std::ranges::stable_sort(list, {}, &dem::GrainSphere::id);  // those of one grain come from one part
+  return list;
+}
+
+void SlabSimulation::add_bonds(std::span<const dem::Bond> bonds) {
+  base::require_user(bonds.empty(), "bonds need one DEM rank; start with --dem-ranks 1");
+}
+
+int SlabSimulation::add_plane(const dem::Plane& plane, int material) {
+  return all<&Sim::add_plane>(plane, material)[0];
+}
+int SlabSimulation::add_mesh(const base::Skin& skin, int material, bool two_sided) {
+  return all<&Sim::add_mesh>(skin, material, two_sided)[0];
+}
+void SlabSimulation::remove_wall(int wall) { all<&Sim::remove_wall>(wall); }
+void SlabSimulation::set_wall_velocity(int wall, dem::Vec3 velocity) { all<&Sim::set_wall_velocity>(wall, velocity); }
+void SlabSimulation::set_wall_body(int wall, const dem::WallBody& body) { all<&Sim::set_wall_body>(wall, body); }
+void SlabSimulation::set_wall_load(int wall, dem::Vec3 force, dem::Vec3 torque) {
+  all<&Sim::set_wall_load>(wall, force, torque);
+}
+void SlabSimulation::set_mesh_target(int wall, std::span<const dem::Vec3> positions,
+                                     std::span<const dem::Vec3> velocities, dem::MeshWay way) {
+  all<&Sim::set_mesh_target>(wall, positions, velocities, way);
+}
+
+void SlabSimulation::nodal_impulse(int wall, std::span<dem::Vec3> impulse) const {
+  std::ranges::fill(impulse, dem::Vec3{});
+  for (const auto& part : all<&nodal_impulses>(wall, impulse.size()))
+    for (std::size_t node = 0; node < impulse.size(); ++node) impulse[node] += part[node];
+}
+
+std::vector<dem::NodeSpring> SlabSimulation::node_springs(int wall) const {
+  const auto parts = all<&Sim::node_springs>(wall);
+  std::vector<dem::NodeSpring> springs(parts[0].size());
+  for (const auto& part : parts) {
+    for (std::size_t node = 0; node < springs.size(); ++node) {
+      springs[node].stiffness += part[node].stiffness;
+      springs[node].damping += part[node].damping;
+    }
+  }
+  return springs;
+}
+
+dem::Vec3 SlabSimulation::wall_impulse_on_grains(int wall) const {
+  dem::Vec3 sum;
+  for (const dem::Vec3& part : all<&Sim::wall_impulse_on_grains>(wall)) sum += part;
+  return sum;
+}
+
+void SlabSimulation::advance(int n, double dt) { all<&Sim::advance>(n, dt); }
+dem::StableStep SlabSimulation::stable_step() const { return shortest(all<&Sim::stable_step>()); }
+dem::StableStep SlabSimulation::contact_stable_step() const { return shortest(all<&Sim::contact_stable_step>()); }
+
+base::Columns SlabSimulation::save() const {
+  base::Columns columns;
+  auto parts = all<&Sim::save>();
+  columns["parts"] = std::vector{crew_.ranks()};
+  for (int part = 0; part < crew_.ranks(); ++part)
+    add_group(columns, group(part), std::move(parts[static_cast<std::size_t>(part)]));
+  return columns;
+}
+
+void SlabSimulation::restore(const base::Columns& columns) {
+  require_parts(columns, crew_.ranks(), "checkpoint");
+  std::vector<Bytes> orders;
+  for (int part = 0; part < crew_.ranks(); ++part)
+    orders.push_back(ByteWriter(order_of<&Sim::restore>(), number_, group_of(columns, group(part))).take());
+  crew_.order_each(orders);
+}
+
+base::Energy SlabSimulation::energy() const {
+  using Terms = std::array<double, sizeof(base::Energy) / sizeof(double)>;
+  Terms sum{};
+  for (const base::Energy& part : all<&Sim::energy>()) {
+    const auto values = std::bit_cast<Terms>(part);
+    for (std::size_t term = 0; term < sum.size(); ++term) sum[term] += values[term];
+  }
+  return std::bit_cast<base::Energy>(sum);
+}
+
+void SlabSimulation::reset_energy() { all<&Sim::reset_energy>(); }
+std::vector<dem::GrainContact> SlabSimulation::grain_contacts() const { return joined<&Sim::grain_contacts>(); }
+std::vector<dem::WallContact> SlabSimulation::wall_contacts() const { return joined<&Sim::wall_contacts>(); }
+
+dem::Counts SlabSimulation::counts() const {
+  const auto parts = all<&Sim::counts>();
+  dem::Counts sum = parts[0];  // all parts take the same steps and make lists together
+  for (std::size_t part = 1; part < parts.size(); ++part) {
+    const dem::Counts& more = parts[part];
+    sum.grains += more.grains;
+    sum.spheres += more.spheres;
+    sum.contacts += more.contacts;
+    sum.wall_contacts += more.wall_contacts;
+    sum.candidate_pairs += more.candidate_pairs;
+    sum.wall_candidates += more.wall_candidates;
+    sum.bytes += more.bytes;
+  }
+  return sum;
+}
+
+}  // namespace coupling

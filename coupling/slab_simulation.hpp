@@ -1,0 +1,79 @@
+#pragma once
+// A simulation whose grains are shared out over the DEM ranks, as the first of them uses it: every call goes to all
+// parts, and what they measure is put together. Sums are taken in the order of the ranks.
+// Where it differs from one that holds all grains: bonds are refused; a checkpoint fits the same number of parts only.
+#include <string>
+
+#include "coupling/slab_server.hpp"
+
+namespace coupling {
+
+/// Throws base::UserError, which names `origin`, unless what save() gave came from this number of DEM ranks.
+void require_parts(const base::Columns&, int dem_ranks, const std::string& origin);
+
+class SlabSimulation : public dem::Simulation {
+ public:
+  /// `number`: under which all parts hold it already.
+  SlabSimulation(SlabCrew&, int number);
+  ~SlabSimulation() override;
+  SlabSimulation(const SlabSimulation&) = delete;
+  SlabSimulation& operator=(const SlabSimulation&) = delete;
+
+  int add_shape(const dem::Clump&) override;
+  void add_grains(std::span<const dem::Grain>) override;
+  void remove_grains(std::span<const std::int64_t> ids) override;
+  std::vector<dem::Grain> grains() const override;
+  std::vector<dem::GrainSphere> spheres() const override;
+  void set_grains(std::span<const dem::Grain>) override;
+  void scale_grains(std::span<const std::int64_t> ids, double factor) override;
+  void set_material(int material, const dem::Material&) override;
+  void set_interaction(int a, int b, const dem::Interaction&) override;
+  void set_gravity(dem::Vec3) override;
+  void set_grain_damping(double alpha) override;
+
+  void add_bonds(std::span<const dem::Bond>) override;
+  std::vector<dem::BondNow> bonds() const override { return {}; }
+  std::int64_t broken_bonds() const override { return 0; }
+
+  int add_plane(const dem::Plane&, int material) override;
+  int add_mesh(const base::Skin&, int material, bool two_sided) override;
+  void remove_wall(int wall) override;
+  void set_wall_velocity(int wall, dem::Vec3) override;
+  void set_wall_body(int wall, const dem::WallBody&) override;
+  void set_wall_load(int wall, dem::Vec3 force, dem::Vec3 torque) override;
+  dem::WallBodyState wall_body(int wall) const override { return own().wall_body(wall); }
+  dem::Vec3 wall_displacement(int wall) const override { return own().wall_displacement(wall); }
+  dem::Vec3 wall_velocity(int wall) const override { return own().wall_velocity(wall); }
+  void set_mesh_target(int wall, std::span<const dem::Vec3> positions, std::span<const dem::Vec3> velocities,
+                       dem::MeshWay) override;
+  void nodal_impulse(int wall, std::span<dem::Vec3> impulse) const override;
+  std::vector<dem::NodeSpring> node_springs(int wall) const override;
+  dem::Vec3 wall_impulse_on_grains(int wall) const override;
+
+  void advance(int n, double dt) override;
+  double time() const override { return own().time(); }
+  dem::StableStep stable_step() const override;
+  dem::StableStep contact_stable_step() const override;
+
+  base::Columns save() const override;
+  void restore(const base::Columns&) override;
+
+  base::Energy energy() const override;
+  void reset_energy() override;
+  std::vector<dem::GrainContact> grain_contacts() const override;
+  std::vector<dem::WallContact> wall_contacts() const override;
+  dem::Counts counts() const override;
+  dem::Backend backend() const override { return own().backend(); }
+
+ private:
+  template <auto call, class... A>
+  auto all(const A&... arguments) const;
+  template <auto call, class... A>
+  auto joined(const A&... arguments) const;
+  const dem::Simulation& own() const { return crew_.own_part(number_); }
+
+  SlabCrew& crew_;
+  int number_;
+};
+
+}  // namespace coupling
