@@ -1,6 +1,7 @@
 #pragma once
 // One side's energy ledger. Stored energies are values at the instant; works and losses are sums since the last reset.
 // Sign: a work is positive when it puts energy into the side; a loss is positive when energy leaves the mechanics.
+#include <initializer_list>
 
 namespace base {
 

@@ -209,13 +209,16 @@ void Setup::save(base::Columns& run, const Summary& summary) const { walk(*this,
 
 void Setup::restore(const Restart& restart, Summary& summary) {
   agree(roles->world, [&] {
-    const auto columns = group_of(restart.columns, "grains/");
-    if (roles->is_dem) require_parts(columns, roles->dem_ranks, restart.file.string());
     try {
       if (roles->is_dem) {
         make_simulation();
         add_walls();
-        grains->restore(columns);
+        const auto columns = group_of(restart.columns, "grains/");
+        const auto parts = saved_parts(columns);
+        if (parts.size() > 1 && !slabs)
+          grains->restore_parts(parts);
+        else
+          grains->restore(columns);
       }
       walk(*this, summary, base::Loader(group_of(restart.columns, "run/")));
       if (bodies) bodies->restore(group_of(restart.columns, "bodies/"));

@@ -83,7 +83,7 @@ using SlabCalls =
               &Sim::add_plane, &Sim::add_mesh, &Sim::remove_wall, &Sim::set_wall_velocity, &Sim::set_wall_body,
               &Sim::set_wall_load, &Sim::set_mesh_target, &nodal_impulses, &Sim::node_springs,
               &Sim::wall_impulse_on_grains, &Sim::advance, &Sim::stable_step, &Sim::contact_stable_step, &Sim::save,
-              &Sim::restore, &Sim::energy, &Sim::reset_energy, &Sim::grain_contacts, &Sim::wall_contacts, &Sim::counts>;
+              &Sim::restore, &Sim::restore_parts, &Sim::energy, &Sim::reset_energy, &Sim::grain_contacts, &Sim::wall_contacts, &Sim::counts>;
 
 /// The number of a call in an order; what concerns no simulation's own calls comes after them.
 template <auto call>

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
@@ -21,13 +20,12 @@ std::string group(int part) { return fmt::format("part_{}/", part); }
 
 }  // namespace
 
-void require_parts(const base::Columns& columns, int dem_ranks, const std::string& origin) {
-  const auto& parts = base::column<std::vector<int>>(columns, "parts");
-  const int written = parts.size() == 1 ? parts[0] : 1;
-  base::require_user(written == dem_ranks,
-                     fmt::format("{}: written with {} DEM rank{}, this run has {}; restart with --dem-ranks {}, or "
-                                 "start a new run without --restart",
-                                 origin, written, written > 1 ? "s" : "", dem_ranks, written));
+std::vector<base::Columns> saved_parts(const base::Columns& columns) {
+  const auto& number = base::column<std::vector<int>>(columns, "parts");
+  if (number.size() != 1) return {columns};
+  std::vector<base::Columns> parts;
+  for (int part = 0; part < number[0]; ++part) parts.push_back(group_of(columns, group(part)));
+  return parts;
 }
 
 SlabSimulation::SlabSimulation(SlabCrew& crew, int number) : crew_(crew), number_(number) {}
@@ -143,21 +141,19 @@ base::Columns SlabSimulation::save() const {
 }
 
 void SlabSimulation::restore(const base::Columns& columns) {
-  require_parts(columns, crew_.ranks(), "checkpoint");
+  const auto parts = saved_parts(columns);
+  if (static_cast<int>(parts.size()) != crew_.ranks()) return restore_parts(parts);
   std::vector<Bytes> orders;
-  for (int part = 0; part < crew_.ranks(); ++part)
-    orders.push_back(ByteWriter(order_of<&Sim::restore>(), number_, group_of(columns, group(part))).take());
+  for (const base::Columns& part : parts) orders.push_back(ByteWriter(order_of<&Sim::restore>(), number_, part).take());
   crew_.order_each(orders);
 }
 
+void SlabSimulation::restore_parts(std::span<const base::Columns> parts) { all<&Sim::restore_parts>(parts); }
+
 base::Energy SlabSimulation::energy() const {
-  using Terms = std::array<double, sizeof(base::Energy) / sizeof(double)>;
-  Terms sum{};
-  for (const base::Energy& part : all<&Sim::energy>()) {
-    const auto values = std::bit_cast<Terms>(part);
-    for (std::size_t term = 0; term < sum.size(); ++term) sum[term] += values[term];
-  }
-  return std::bit_cast<base::Energy>(sum);
+  base::Energy sum;
+  for (const base::Energy& part : all<&Sim::energy>()) sum += part;
+  return sum;
 }
 
 void SlabSimulation::reset_energy() { all<&Sim::reset_energy>(); }

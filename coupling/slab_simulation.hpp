@@ -1,15 +1,15 @@
 #pragma once
 // A simulation whose grains are shared out over the DEM ranks, as the first of them uses it: every call goes to all
 // parts, and what they measure is put together. Sums are taken in the order of the ranks.
-// Where it differs from one that holds all grains: bonds are refused; a checkpoint fits the same number of parts only.
+// Where it differs from one that holds all grains: bonds are refused.
 #include <string>
 
 #include "coupling/slab_server.hpp"
 
 namespace coupling {
 
-/// Throws base::UserError, which names `origin`, unless what save() gave came from this number of DEM ranks.
-void require_parts(const base::Columns&, int dem_ranks, const std::string& origin);
+/// What a simulation's save() gave, part by part.
+std::vector<base::Columns> saved_parts(const base::Columns&);
 
 class SlabSimulation : public dem::Simulation {
  public:
@@ -57,6 +57,7 @@ class SlabSimulation : public dem::Simulation {
 
   base::Columns save() const override;
   void restore(const base::Columns&) override;
+  void restore_parts(std::span<const base::Columns>) override;
 
   base::Energy energy() const override;
   void reset_energy() override;

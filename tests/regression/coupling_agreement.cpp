@@ -45,24 +45,29 @@ State last_state(const fs::path& run, double& mean_radius) {
   return state;
 }
 
-fs::path run_until(const std::string& name, int ranks, int threads, double until) {
+struct Layout {
+  int dem = 1, fem = 0, threads = 1;  // fem = 0: one rank does it all
+};
+
+fs::path run_until(const std::string& name, const Layout& by, double until) {
   const fs::path out = scratch() / name;
   // A run that is stopped leaves its last state, also before the measured stage.
   const auto finished = trackbed("run " + scene("quick/one_sleeper.toml") + " --out " + out.string() + " --threads " +
-                                     std::to_string(threads) + " --until " + fmt::format("{:.17g}", until),
-                                 ranks);
+                                     std::to_string(by.threads) + " --dem-ranks " + std::to_string(by.dem) +
+                                     " --until " + fmt::format("{:.17g}", until),
+                                 by.dem + by.fem);
   EXPECT_EQ(finished.status, 0) << finished.output;
   return out;
 }
 
-fs::path run_windows(const std::string& name, int ranks, int threads) {
+fs::path run_windows(const std::string& name, const Layout& by) {
   // The length of a window is known once one has run.
   static const double window = [] {
-    const auto json = summary(run_until("window", 1, 1, 1e-12));
+    const auto json = summary(run_until("window", {}, 1e-12));
     EXPECT_EQ(json["steps"]["windows"], 1);
     return json["time_simulated_s"].get<double>();
   }();
-  const fs::path out = run_until(name, ranks, threads, 199.5 * window);
+  const fs::path out = run_until(name, by, 199.5 * window);
   EXPECT_GE(summary(out)["steps"]["windows"], 200);
   return out;
 }
@@ -86,15 +91,19 @@ void expect_equal(const State& a, const State& b, double mean_radius, const std:
 
 TEST(Agreement, RanksAndThreadsGiveTheSamePhysics) {
   double mean_radius = 0;
-  const State one = last_state(run_windows("ranks1", 1, 1), mean_radius);
+  const State one = last_state(run_windows("alone", {}), mean_radius);
   ASSERT_GT(one.size(), 100u);
-  expect_equal(one, last_state(run_windows("ranks2", 2, 1), mean_radius), mean_radius, "2 ranks");
-  expect_equal(one, last_state(run_windows("ranks3", 3, 1), mean_radius), mean_radius, "3 ranks");
-  expect_equal(one, last_state(run_windows("threads2", 2, 2), mean_radius), mean_radius, "2 threads");
+  for (const Layout& by : {Layout{1, 1}, {1, 2}, {2, 1}, {2, 2}, {3, 1}, {1, 1, 2}}) {
+    const std::string name = fmt::format("dem_{}_fem_{}_threads_{}", by.dem, by.fem, by.threads);
+    const fs::path out = run_windows(name, by);
+    EXPECT_EQ(summary(out)["grains"], summary(scratch() / "alone")["grains"]) << name;
+    EXPECT_LE(summary(out)["momentum_error"].get<double>(), 1e-12) << name;
+    expect_equal(one, last_state(out, mean_radius), mean_radius, name);
+  }
 }
 
 TEST(Agreement, TheSameRunTwiceIsBitIdentical) {
-  const fs::path first = run_windows("first", 2, 2), second = run_windows("second", 2, 2);
+  const fs::path first = run_windows("first", {2, 1, 2}), second = run_windows("second", {2, 1, 2});
   EXPECT_EQ(slurp(first / "history.csv"), slurp(second / "history.csv"));
   int compared = 0;
   for (const auto* folder : {"grains", "sleeper", "ground"})

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "coupling/run_directory.hpp"
@@ -59,17 +60,18 @@ void expect_same_bits(const fs::path& whole, const fs::path& restarted) {
 /// Whole, and cut off at `until` with checkpoints every `interval`, then restarted. `losses`: what the scene must have
 /// lost energy by, so that what it is to show happens at all.
 void expect_restart_repeats(const std::string& name, const std::string& text, const std::string& interval,
-                            const std::string& until, int ranks, const std::vector<std::string>& losses = {}) {
+                            const std::string& until, int ranks, const std::vector<std::string>& losses = {},
+                            const std::string& more = "") {
   const fs::path scene = write_scene(name, text);
   const fs::path whole = scratch() / (name + "_whole"), cut = scratch() / (name + "_cut");
-  const auto uninterrupted = run(scene, whole, "", ranks);
+  const auto uninterrupted = run(scene, whole, more, ranks);
   ASSERT_EQ(uninterrupted.status, 0) << uninterrupted.output;
   EXPECT_FALSE(fs::exists(whole / "checkpoint-0001.h5"));
   for (const auto& loss : losses) EXPECT_GT(summary(whole)["energy"][loss].get<double>(), 0) << loss;
   const auto first =
-      run(scene, cut, fmt::format("--set 'output.checkpoint_interval={}' --until {}", interval, until), ranks);
+      run(scene, cut, fmt::format("--set 'output.checkpoint_interval={}' --until {}{}", interval, until, more), ranks);
   ASSERT_EQ(first.status, 0) << first.output;
-  const auto second = restart(scene, cut, "", ranks);
+  const auto second = restart(scene, cut, more, ranks);
   ASSERT_EQ(second.status, 0) << second.output;
   EXPECT_NE(second.output.find("goes on from"), std::string::npos) << second.output;
   expect_same_bits(whole, cut);
@@ -90,6 +92,10 @@ TEST(Restart, CoupledOnOneRank) {
 TEST(Restart, CoupledOnThreeRanks) { expect_restart_repeats("coupled3", coupled_scene(), "4 ms", "0.0195", 3); }
 TEST(Restart, OverTheSeamOfAPeriodicBody) {
   expect_restart_repeats("seam", seam_scene(), "1.5 ms", "0.0065", 0, {"loss_friction"});
+}
+
+TEST(Restart, SlabsOnThreeRanks) {
+  expect_restart_repeats("slabs", coupled_scene(), "4 ms", "0.0195", 3, {}, " --dem-ranks 2");
 }
 
 // Impulses that wait for their window, skins on parabolas, and Newmark's steps under grains.
@@ -140,17 +146,21 @@ TEST(Restart, OnAnotherNumberOfRanks) {
     const char *name, *interval, *until;
     std::string text;
     int from, to;
+    std::string dem_from, dem_to;
   };
-  for (const auto& [name, interval, until, text, from, to] :
-       {Case{"coupled_ranks", "4 ms", "0.0195", coupled_scene(), 2, 3},
-        Case{"beams_ranks", "30 ms", "0.11", remembering_beams(), 3, 2}}) {
+  const std::string two = " --dem-ranks 2", three = " --dem-ranks 3";
+  for (const auto& [name, interval, until, text, from, to, dem_from, dem_to] :
+       {Case{"coupled_ranks", "4 ms", "0.0195", coupled_scene(), 2, 3, "", ""},
+        Case{"more_slabs", "4 ms", "0.0195", coupled_scene(), 2, 4, "", three},
+        Case{"fewer_slabs", "4 ms", "0.0195", coupled_scene(), 3, 0, two, ""},
+        Case{"beams_ranks", "30 ms", "0.11", remembering_beams(), 3, 2, "", ""}}) {
     const fs::path scene = write_scene(name, text), out = scratch() / (std::string(name) + "_first");
     const fs::path whole = scratch() / (std::string(name) + "_whole"),
                    other = scratch() / (std::string(name) + "_other");
     const std::string checkpoints = fmt::format("--set 'output.checkpoint_interval={}'", interval);
-    ASSERT_EQ(run(scene, whole, checkpoints, from).status, 0);
-    ASSERT_EQ(run(scene, out, fmt::format("{} --until {}", checkpoints, until), from).status, 0);
-    const auto finished = restart(scene, out, fmt::format("--out '{}' {}", other.string(), checkpoints), to);
+    ASSERT_EQ(run(scene, whole, checkpoints + dem_from, from).status, 0);
+    ASSERT_EQ(run(scene, out, fmt::format("{} --until {}{}", checkpoints, until, dem_from), from).status, 0);
+    const auto finished = restart(scene, out, fmt::format("--out '{}' {}{}", other.string(), checkpoints, dem_to), to);
     ASSERT_EQ(finished.status, 0) << finished.output;
     EXPECT_LT(largest_difference(whole, other), 1e-9) << name;
     EXPECT_EQ(files_of(whole), files_of(other));
@@ -158,25 +168,35 @@ TEST(Restart, OnAnotherNumberOfRanks) {
   }
 }
 
-// kill -9 wherever it may be: the last checkpoint is whole, history.csv can be read, and the restarted run ends as the
-// whole one.
-TEST(Restart, AfterKillNineAnywhere) {
+// kill -9 at twenty random moments: the last checkpoint is whole, no more than an interval is lost, history.csv can be
+// read, and what has been restarted twenty times ends as the whole run.
+TEST(Restart, AfterTwentyTimesKillNine) {
   const fs::path scene = write_scene("killed", long_grains_scene()), whole = scratch() / "killed_whole";
   ASSERT_EQ(run(scene, whole, "").status, 0);
-  const fs::path out = scratch() / "killed";
-  const std::string by_time = "--set 'output.checkpoint_interval=2 ms'",
-                    by_clock = "--set output.checkpoint_wall_time=1e-3";
-  for (const int rows : {20, 150, 300, 450}) {
-    const std::string go_on = rows == 20 ? "" : fmt::format("--restart '{}'", out.string());
-    Background life(fmt::format("run '{}' --threads 1 --out '{}' {} {}", scene.string(), out.string(),
-                                rows == 150 ? by_clock : by_time, go_on),
-                    0, scratch() / "killed.txt");
-    life.await_rows(out, rows);
+  const fs::path out = scratch() / "killed", log = scratch() / "killed.txt";
+  constexpr double interval = 2e-3;
+  const auto rows = static_cast<int>(coupling::read_history(whole / "history.csv").time().size());
+  std::mt19937 random(std::random_device{}());
+  std::vector<int> moments(20);
+  for (int& moment : moments) moment = std::uniform_int_distribution<int>(5, rows - 30)(random);
+  std::sort(moments.begin(), moments.end());
+  double killed_at = 0;
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    const std::string go_on = k == 0 ? "" : fmt::format("--restart '{}'", out.string());
+    // Every third life writes by the clock.
+    const std::string checkpoints = k % 3 == 2 ? "--set output.checkpoint_wall_time=1e-3 "
+                                               : fmt::format("--set output.checkpoint_interval={} ", interval);
+    Background life(
+        fmt::format("run '{}' --threads 1 --out '{}' {} {}", scene.string(), out.string(), checkpoints, go_on), 0, log);
+    life.await_rows(out, moments[k]);
     kill(life.process(), SIGKILL);
     const auto status = life.wait(30);
-    ASSERT_TRUE(status && WIFSIGNALED(*status))
-        << "the run was over before it was killed: " << slurp(scratch() / "killed.txt");
-    EXPECT_GE(coupling::read_history(out / "history.csv").time().size(), static_cast<std::size_t>(rows));
+    ASSERT_TRUE(status && WIFSIGNALED(*status)) << "the run was over before it was killed: " << slurp(log);
+    const std::string said = slurp(log), mark = "at t = ";
+    if (const auto at = said.find(mark); k > 0 && k % 3 != 0 && at != std::string::npos) {  // k - 1 wrote by time
+      EXPECT_GE(std::stod(said.substr(at + mark.size())), killed_at - 1.5 * interval) << said;
+    }
+    killed_at = coupling::read_history(out / "history.csv").time().back();
   }
   const auto finished = restart(scene, out);
   ASSERT_EQ(finished.status, 0) << finished.output;
