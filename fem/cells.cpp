@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "base/error.hpp"
 #include "fem/elements/hex20.hpp"
@@ -177,6 +178,28 @@ void check_volumes(const RawMesh& mesh, const std::string& head) {
         fmt::format("{}element {} at ({:.6g}, {:.6g}, {:.6g}) m is flat or inside out (smallest Jacobian "
                     "{:.3g} m3); look for a layer of no thickness or crossed nodes in the mesh",
                     head, e + 1, centre.x, centre.y, centre.z, volume));
+  }
+}
+
+void check_doubles(const RawMesh& mesh, const std::string& head) {
+  const int corners = cell_corners(mesh.cell_nodes);
+  const auto corners_of_cell = [&](int e) {
+    std::array<int, 8> sorted;
+    for (int a = 0; a < 8; ++a) sorted[a] = a < corners ? mesh.cells[e][a] : -1;
+    std::ranges::sort(sorted);
+    return sorted;
+  };
+  std::vector<std::pair<std::array<int, 8>, int>> cells(mesh.cells.size());
+  for (int e = 0; e < static_cast<int>(cells.size()); ++e) cells[e] = {corners_of_cell(e), e};
+  std::ranges::sort(cells);
+  for (std::size_t i = 1; i < cells.size(); ++i) {
+    if (cells[i].first != cells[i - 1].first) continue;
+    Vec3 centre;
+    for (int a = 0; a < corners; ++a) centre += mesh.nodes[mesh.cells[cells[i].second][a]] * (1.0 / corners);
+    throw base::UserError(
+        fmt::format("{}elements {} and {} at ({:.6g}, {:.6g}, {:.6g}) m have the same corners; the mesh holds this "
+                    "cell twice, with twice its mass and stiffness; take one out",
+                    head, cells[i - 1].second + 1, cells[i].second + 1, centre.x, centre.y, centre.z));
   }
 }
 

@@ -85,6 +85,7 @@ Mesh checked(RawMesh raw, const Body& body) {
   const std::string head = message_head(body.origin, body.name);
   const int wanted = element_nodes(body.element);
   check_volumes(raw, head);
+  check_doubles(raw, head);
   if (cell_corners(wanted) == 4 && raw.cell_nodes == 8) split_into_tetrahedra(raw, head);
   if (wanted > 8 && raw.cell_nodes == cell_corners(wanted)) add_middle_nodes(raw);
   base::require_user(cell_corners(wanted) == 4 || cell_corners(raw.cell_nodes) == 8,
