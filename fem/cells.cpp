@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "base/error.hpp"
@@ -241,6 +242,24 @@ int FaceTable::boundary_faces() const {
     if (!same_before && !same_after) ++count;
   }
   return count;
+}
+
+std::vector<int> FaceTable::rigid_parts(int cells) const {
+  std::vector<int> root(cells);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int cell) {
+    while (root[cell] != cell) cell = root[cell] = root[root[cell]];
+    return cell;
+  };
+  for (std::size_t i = 1; i < entries_.size(); ++i) {
+    if (entries_[i].key != entries_[i - 1].key) continue;
+    const int one = find(entries_[i - 1].cell), other = find(entries_[i].cell);
+    root[std::max(one, other)] = std::min(one, other);
+  }
+  std::vector<int> part(cells);
+  int count = 0;
+  for (int e = 0; e < cells; ++e) part[e] = find(e) == e ? count++ : part[find(e)];
+  return count > 1 ? part : std::vector<int>{};
 }
 
 }  // namespace fem

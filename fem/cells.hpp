@@ -34,6 +34,8 @@ class FaceTable {
   };
   Found find(const Facet&) const;
   int boundary_faces() const;
+  /// Per cell the number of its part, parts being joined by faces and numbered by their first cell; empty: all are one.
+  std::vector<int> rigid_parts(int cells) const;
 
  private:
   struct Entry {

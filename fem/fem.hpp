@@ -167,6 +167,9 @@ class Model {
   virtual ~Model() = default;
 
   virtual std::vector<BodyCounts> counts() const = 0;
+  /// What is most likely a mistake but can be computed, one sentence each; on the first rank, elsewhere empty (not
+  /// collective).
+  virtual std::vector<std::string> warnings() const = 0;
   virtual StableStep stable_step() const = 0;
 
   // ---- one step in parts, so that contact forces and inner forces can overlap in time; implicit models do all of it

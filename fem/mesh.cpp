@@ -106,6 +106,7 @@ Mesh checked(RawMesh raw, const Body& body) {
   mesh.element_nodes = raw.cell_nodes;
   for (const auto& cell : raw.cells) mesh.elements.insert(mesh.elements.end(), cell.begin(), cell.begin() + wanted);
   const FaceTable faces(raw);
+  mesh.rigid_parts = faces.rigid_parts(mesh.element_count());
   for (auto& [name, nodes] : raw.nodes_of) mesh.groups[name].nodes = std::move(nodes);
   for (const auto& [name, facets] : raw.surfaces) {
     auto& group = mesh.groups[name];
@@ -131,6 +132,7 @@ void share(MPI_Comm comm, Mesh& mesh) {
   broadcast(comm, mesh.element_nodes);
   broadcast(comm, mesh.elements);
   broadcast(comm, mesh.regions);
+  broadcast(comm, mesh.rigid_parts);
   std::vector<std::string> names;
   for (const auto& [name, group] : mesh.groups) names.push_back(name);
   int count = static_cast<int>(names.size());
