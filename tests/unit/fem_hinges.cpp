@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 #include "base/error.hpp"
 #include "fem/cells.hpp"
@@ -138,6 +139,70 @@ TEST(FemHinges, Rings) {
   const auto two = bricks({{0, 0, 0}, {1, 0, 0}, {-1, 1, 0}, {-1, 2, 0}, {0, 2, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}});
   EXPECT_EQ(two.rigid_parts.back(), 1);
   EXPECT_EQ(motions_of(two, nothing(two)), 0);
+}
+
+/// Motions of all bricks, each a rigid body of its own, with every node of theirs in common.
+int motions_of_single_bricks(const fem::Mesh& mesh, const Held& held) {
+  std::map<int, std::vector<int>> cells;  // at each node
+  for (int e = 0; e < mesh.element_count(); ++e) {
+    for (int a = 0; a < 8; ++a) cells[mesh.element(e)[a]].push_back(e);
+  }
+  const int size = 6 * mesh.element_count();
+  std::vector<std::vector<double>> gram(size, std::vector<double>(size, 0.0));
+  const auto add = [&](int node, int c, int one, int other) {  // square of the difference, or of one where other < 0
+    std::vector<std::pair<int, double>> row;
+    for (const auto& [e, sign] : {std::pair{one, 1.0}, std::pair{other, -1.0}}) {
+      for (int k = 0; k < 6 && e >= 0; ++k)
+        row.emplace_back(6 * e + k, sign * fem::rigid_motion(k, mesh.nodes[node] - mesh.nodes[mesh.element(e)[0]])[c]);
+    }
+    for (const auto& [i, x] : row) {
+      for (const auto& [j, y] : row) gram[i][j] += x * y;
+    }
+  };
+  for (const auto& [node, of] : cells) {
+    for (int c = 0; c < 3; ++c) {
+      if (held[node][c]) add(node, c, of[0], -1);
+      for (std::size_t i = 1; i < of.size(); ++i) add(node, c, of[i], of[0]);
+    }
+  }
+  for (int rank = 0; rank < size; ++rank) {  // elimination, the largest pivot of the diagonal first
+    int pivot = 0;
+    for (int i = 1; i < size; ++i) {
+      if (gram[i][i] > gram[pivot][pivot]) pivot = i;
+    }
+    if (gram[pivot][pivot] < 1e-9) return size - rank;
+    const auto row = gram[pivot];
+    for (int i = 0; i < size; ++i) {
+      for (int j = 0; j < size; ++j) gram[i][j] -= row[i] * row[j] / row[pivot];
+    }
+    gram[pivot][pivot] = 0;
+  }
+  return 0;
+}
+
+// Bricks thrown into 3 x 3 x 2 places, some nodes held: as many motions as without knowing of faces, less those of the
+// connected meshes as wholes.
+TEST(FemHinges, RandomBricks) {
+  std::mt19937 random(7);
+  int with = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    Cells cells;
+    for (int place = 0; place < 18; ++place) {
+      if (random() % 5 < 2) cells.push_back({place % 3, place / 3 % 3, place / 9});
+    }
+    if (cells.empty()) continue;
+    const auto mesh = bricks(cells);
+    auto some = nothing(mesh);
+    for (auto& node : some) {
+      for (bool& component : node) component = trial % 2 == 1 && random() % 12 == 0;
+    }
+    const int wholes = static_cast<int>(fem::find_mechanisms(mesh, some).free.size());
+    const auto found = fem::find_hinges(mesh, some);
+    EXPECT_EQ(found.motions, motions_of_single_bricks(mesh, some) - wholes) << "trial " << trial;
+    EXPECT_EQ(found.motions > 0, !found.joints.empty()) << "trial " << trial;
+    with += found.motions > 0;
+  }
+  EXPECT_GE(with, 10);
 }
 
 // Stairs of n bricks, each on an edge of the last: n - 1 motions. Too many for one matrix: the loose end is found.
