@@ -51,6 +51,7 @@ class ExplicitModel : public Model {
   void reset_energy() override;
   Vec3 probe_group(const std::string& body, const std::string& group, Quantity) const override;
   Vec3 probe_point(const std::string& body, Vec3 point, Quantity) const override;
+  void check_point(const std::string& body, const Vec3& point, const Origin& origin) const override;
   Vec3 reaction(const std::string& body, const std::string& group) const override;
   std::vector<std::array<double, 6>> element_stresses(const std::string& body) const override;
   std::array<double, 6> stress_at(const std::string& body, const Spot&) const override;
