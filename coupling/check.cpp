@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 #include <span>
+#include <sstream>
 
 #include "base/text.hpp"
 #include "base/version.hpp"
@@ -194,6 +195,8 @@ std::string bodies_text(const Setup& setup) {
     for (const auto& faces : scene_body.periodic)
       text += fmt::format("    periodic: {} and {} are one\n", faces.first, faces.second);
   }
+  std::istringstream warnings(setup.warnings);
+  for (std::string line; std::getline(warnings, line);) text += "warning: " + line + "\n";
   return text;
 }
 

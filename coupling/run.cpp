@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <sstream>
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
@@ -114,6 +115,8 @@ void run_rank(const RunOptions& options) {
     if (!in_place) check_run_directory(directory, options.overwrite);
   });
   spdlog::info("{}", setup.scene.title);
+  std::istringstream warnings(setup.warnings);
+  for (std::string line; std::getline(warnings, line);) spdlog::warn("{}", line);
 
   // Everything that can be refused is refused before an earlier run in the folder is touched.
   if (restart)

@@ -32,9 +32,12 @@ std::size_t expected_grains(const GrainsScene& scene) {
   return scene.packing ? 20000 : static_cast<std::size_t>(sphere_count(scene.list, scene.shapes));
 }
 
-/// Throws where a probe names a group of a body that is not there, or a mean over an area a group without one.
+/// Throws where a probe names a group of a body that is not there, or a mean over an area a group without one, or a
+/// point far from its body.
 void check_probes(const Scene& scene, const fem::Model& bodies) {
   for (const Probe& probe : scene.probes) {
+    if (!probe.body.empty() && probe.point)
+      bodies.check_point(probe.body, *probe.point, fmt::format("{}: probe \"{}\"", probe.origin, probe.name));
     if (probe.body.empty() || probe.group.empty()) continue;
     if (probe.kind == ProbeKind::body_stress || probe.kind == ProbeKind::body_plastic_strain) {
       bodies.stress_at(probe.body, {std::nullopt, probe.group});
@@ -57,6 +60,7 @@ Setup::Setup(MPI_Comm all, const RunOptions& options_) : options(options_) {
     library = std::make_unique<fem::Library>(roles->fem);
     bodies = fem::Model::create(roles->fem, {scene.bodies, scene.gravity, scene.solver});
     body_counts = bodies->counts();
+    for (const auto& warning : bodies->warnings()) warnings += warning + "\n";
     check_overlaps(scene, body_counts);
     check_probes(scene, *bodies);
     fem_limit = bodies->stable_step();
@@ -66,11 +70,13 @@ Setup::Setup(MPI_Comm all, const RunOptions& options_) : options(options_) {
     if (roles->is_dem) choose_backend();
   });
   if (scene.has_bodies()) {
-    int length = static_cast<int>(fem_limit.limiter.size());
     MPI_Bcast(&fem_limit.limit, 1, MPI_DOUBLE, roles->first_fem_rank, world);
-    MPI_Bcast(&length, 1, MPI_INT, roles->first_fem_rank, world);
-    fem_limit.limiter.resize(static_cast<std::size_t>(length));
-    MPI_Bcast(fem_limit.limiter.data(), length, MPI_CHAR, roles->first_fem_rank, world);
+    for (std::string* text : {&fem_limit.limiter, &warnings}) {
+      int length = static_cast<int>(text->size());
+      MPI_Bcast(&length, 1, MPI_INT, roles->first_fem_rank, world);
+      text->resize(static_cast<std::size_t>(length));
+      MPI_Bcast(text->data(), length, MPI_CHAR, roles->first_fem_rank, world);
+    }
   }
   if (roles->coupled) exchange = std::make_unique<Exchange>(*roles, bodies.get(), scene.coupling);
   if (exchange) skins = exchange->skins();

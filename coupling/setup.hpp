@@ -60,6 +60,7 @@ class Setup {
   std::vector<int> skin_walls;               // DEM rank: wall number of each skin
   std::vector<int> named_walls;              // DEM rank: wall number of each scene wall, -1 for packing-only ones
   std::vector<fem::BodyCounts> body_counts;  // FEM ranks
+  std::string warnings;                      // of the bodies, a line each
   fem::StableStep fem_limit;                 // every rank
   dem::StableStep dem_limit;                 // DEM rank
   Window window;                             // every rank

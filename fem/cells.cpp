@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <utility>
 
 #include "base/error.hpp"
 #include "fem/elements/hex20.hpp"
@@ -180,6 +182,28 @@ void check_volumes(const RawMesh& mesh, const std::string& head) {
   }
 }
 
+void check_doubles(const RawMesh& mesh, const std::string& head) {
+  const int corners = cell_corners(mesh.cell_nodes);
+  const auto corners_of_cell = [&](int e) {
+    std::array<int, 8> sorted;
+    for (int a = 0; a < 8; ++a) sorted[a] = a < corners ? mesh.cells[e][a] : -1;
+    std::ranges::sort(sorted);
+    return sorted;
+  };
+  std::vector<std::pair<std::array<int, 8>, int>> cells(mesh.cells.size());
+  for (int e = 0; e < static_cast<int>(cells.size()); ++e) cells[e] = {corners_of_cell(e), e};
+  std::ranges::sort(cells);
+  for (std::size_t i = 1; i < cells.size(); ++i) {
+    if (cells[i].first != cells[i - 1].first) continue;
+    Vec3 centre;
+    for (int a = 0; a < corners; ++a) centre += mesh.nodes[mesh.cells[cells[i].second][a]] * (1.0 / corners);
+    throw base::UserError(
+        fmt::format("{}elements {} and {} at ({:.6g}, {:.6g}, {:.6g}) m have the same corners; the mesh holds this "
+                    "cell twice, with twice its mass and stiffness; take one out",
+                    head, cells[i - 1].second + 1, cells[i].second + 1, centre.x, centre.y, centre.z));
+  }
+}
+
 FaceTable::FaceTable(const RawMesh& mesh) {
   const bool hexahedra = cell_corners(mesh.cell_nodes) == 8, middles = mesh.cell_nodes > 8;
   const int faces = hexahedra ? 6 : 4, corners = hexahedra ? 4 : 3;
@@ -218,6 +242,24 @@ int FaceTable::boundary_faces() const {
     if (!same_before && !same_after) ++count;
   }
   return count;
+}
+
+std::vector<int> FaceTable::rigid_parts(int cells) const {
+  std::vector<int> root(cells);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int cell) {
+    while (root[cell] != cell) cell = root[cell] = root[root[cell]];
+    return cell;
+  };
+  for (std::size_t i = 1; i < entries_.size(); ++i) {
+    if (entries_[i].key != entries_[i - 1].key) continue;
+    const int one = find(entries_[i - 1].cell), other = find(entries_[i].cell);
+    root[std::max(one, other)] = std::min(one, other);
+  }
+  std::vector<int> part(cells);
+  int count = 0;
+  for (int e = 0; e < cells; ++e) part[e] = find(e) == e ? count++ : part[find(e)];
+  return count > 1 ? part : std::vector<int>{};
 }
 
 }  // namespace fem

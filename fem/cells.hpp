@@ -20,6 +20,9 @@ void add_middle_nodes(RawMesh&);
 /// Throws base::UserError with `head`, the cell and its place where a cell is flat or inside out.
 void check_volumes(const RawMesh&, const std::string& head);
 
+/// Throws base::UserError with `head`, both cells and their place where two cells have the same corners.
+void check_doubles(const RawMesh&, const std::string& head);
+
 /// The facets of a mesh's cells, each outward from its cell.
 class FaceTable {
  public:
@@ -31,6 +34,8 @@ class FaceTable {
   };
   Found find(const Facet&) const;
   int boundary_faces() const;
+  /// Per cell the number of its part, parts being joined by faces and numbered by their first cell; empty: all are one.
+  std::vector<int> rigid_parts(int cells) const;
 
  private:
   struct Entry {

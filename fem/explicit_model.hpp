@@ -34,6 +34,7 @@ class ExplicitModel : public Model {
   ExplicitModel(MPI_Comm, const Setup&);
 
   std::vector<BodyCounts> counts() const override { return counts_; }
+  std::vector<std::string> warnings() const override { return warnings_; }
   StableStep stable_step() const override { return stable_step_; }
   void predict(double dt) override;
   void inner_forces() override;
@@ -50,6 +51,7 @@ class ExplicitModel : public Model {
   void reset_energy() override;
   Vec3 probe_group(const std::string& body, const std::string& group, Quantity) const override;
   Vec3 probe_point(const std::string& body, Vec3 point, Quantity) const override;
+  void check_point(const std::string& body, const Vec3& point, const Origin& origin) const override;
   Vec3 reaction(const std::string& body, const std::string& group) const override;
   std::vector<std::array<double, 6>> element_stresses(const std::string& body) const override;
   std::array<double, 6> stress_at(const std::string& body, const Spot&) const override;
@@ -95,6 +97,7 @@ class ExplicitModel : public Model {
   void start_accelerations();
   void prepare_solver();
   void refuse_mechanisms() const;
+  void look_for_hinges();
   void start_in_equilibrium();
   std::vector<double> weights() const;  // [N] gravity on the owned components, zero where a support holds them
   void gather_external_forces(double time);
@@ -139,6 +142,7 @@ class ExplicitModel : public Model {
   std::vector<base::Skin> skins_;
   std::vector<Contact> contacts_;
   std::vector<BodyCounts> counts_;
+  std::vector<std::string> warnings_;  // of the first rank
   StableStep stable_step_;
   base::Energy ledger_;      // works and losses of this rank
   double gravity_zero_ = 0;  // [J] of this rank, at the last reset

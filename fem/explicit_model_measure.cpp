@@ -115,6 +115,32 @@ Vec3 ExplicitModel::probe_point(const std::string& body, Vec3 point, Quantity qu
   return mean_over(b, std::span(&node, 1), quantity);
 }
 
+void ExplicitModel::check_point(const std::string& body, const Vec3& point, const Origin& origin) const {
+  const int b = body_index(body);
+  const Mesh& mesh = meshes_[b];
+  Vec3 node = mesh.nodes[nearest_node(b, point)];
+  for (int c = 0; c < 3; ++c) node[c] = std::round(node[c] * 1e9) / 1e9 + 0.0;  // as people write it
+  on_first_rank(layout_.comm, [&] {                                             // it has all elements
+    for (int e = 0; e < mesh.element_count(); ++e) {
+      Vec3 lower = mesh.nodes[mesh.element(e)[0]], upper = lower, outside;
+      for (int a = 1; a < mesh.element_nodes; ++a) {
+        const Vec3& x = mesh.nodes[mesh.element(e)[a]];
+        for (int c = 0; c < 3; ++c) {
+          lower[c] = std::min(lower[c], x[c]);
+          upper[c] = std::max(upper[c], x[c]);
+        }
+      }
+      for (int c = 0; c < 3; ++c) outside[c] = std::max({lower[c] - point[c], point[c] - upper[c], 0.0});
+      if (base::norm(outside) <= base::norm(upper - lower)) return;
+    }
+    throw base::UserError(fmt::format(
+        "{}point = ({:.6g}, {:.6g}, {:.6g}) m lies {:.3g} m from the nearest node, at ({:.6g}, {:.6g}, {:.6g}) m, "
+        "farther "
+        "than the elements there are large; move it to the body",
+        message_head(origin, body), point.x, point.y, point.z, base::norm(point - node), node.x, node.y, node.z));
+  });
+}
+
 std::vector<double> ExplicitModel::reactions() const {
   std::vector<double> result(inverse_mass_.size(), 0.0);
   for (std::size_t b = 0; b < meshes_.size(); ++b) {

@@ -11,6 +11,7 @@
 #include "fem/explicit_model.hpp"
 #include "fem/faces.hpp"
 #include "fem/families.hpp"
+#include "fem/hinges.hpp"
 #include "fem/newton.hpp"
 #include "fem/periodic.hpp"
 #include "fem/stable_step.hpp"
@@ -189,11 +190,12 @@ void ExplicitModel::prepare_solver() {
       fmt::format("{}supports hold every node; nothing can move, no step is too long; free some nodes, or set "
                   "fem.solver = \"static\"",
                   message_head(setup_.bodies.front().origin, setup_.bodies.front().name)));
-  if (solver.kind == Solver::explicit_steps && !solver.start_in_equilibrium) return;
+  if (solver.kind == Solver::explicit_steps && !solver.start_in_equilibrium) return look_for_hinges();
   tangent_ = std::make_unique<Tangent>(meshes_, layout_, assembly_, inverse_mass_);
   for (std::size_t b = 0; b < meshes_.size(); ++b)
     mechanisms_.push_back(find_mechanisms(meshes_[b], given_components(meshes_[b], setup_.bodies[b])));
   if (solver.kind == Solver::statics || solver.start_in_equilibrium) refuse_mechanisms();
+  look_for_hinges();
 }
 
 void ExplicitModel::refuse_mechanisms() const {
@@ -211,6 +213,28 @@ void ExplicitModel::refuse_mechanisms() const {
                     whole ? "it" : fmt::format("its part at ({:.4g}, {:.4g}, {:.4g}) m", place.x, place.y, place.z),
                     describe(found, part)));
   }
+}
+
+/// Motion is well posed with them: a word there, an error where stiffness alone has to answer.
+void ExplicitModel::look_for_hinges() {
+  const SolverSettings& solver = setup_.solver;
+  const bool vibrates = solver.kind == Solver::modal;
+  const bool refuse = vibrates || solver.kind == Solver::statics || solver.start_in_equilibrium;
+  on_first_rank(layout_.comm, [&] {
+    for (std::size_t b = 0; b < meshes_.size(); ++b) {
+      const Body& body = setup_.bodies[b];
+      if (meshes_[b].rigid_parts.empty()) continue;
+      const auto found = find_hinges(meshes_[b], given_components(meshes_[b], body));
+      if (found.motions == 0) continue;
+      const char* result = vibrates ? "it would be a mode at 0 Hz"
+                           : refuse ? "there is no equilibrium, the static system is singular"
+                                    : "nothing resists it";
+      warnings_.push_back(
+          fmt::format("{}{}: {}; join the cells by whole faces in the mesh, or hold both sides by supports",
+                      message_head(body.origin, body.name), describe(found), result));
+      base::require_user(!refuse, warnings_.back());
+    }
+  });
 }
 
 std::vector<double> ExplicitModel::weights() const {

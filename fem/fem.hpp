@@ -167,6 +167,9 @@ class Model {
   virtual ~Model() = default;
 
   virtual std::vector<BodyCounts> counts() const = 0;
+  /// What is most likely a mistake but can be computed, one sentence each; on the first rank, elsewhere empty (not
+  /// collective).
+  virtual std::vector<std::string> warnings() const = 0;
   virtual StableStep stable_step() const = 0;
 
   // ---- one step in parts, so that contact forces and inner forces can overlap in time; implicit models do all of it
@@ -203,6 +206,9 @@ class Model {
   /// to a point.
   virtual Vec3 probe_group(const std::string& body, const std::string& group, Quantity) const = 0;
   virtual Vec3 probe_point(const std::string& body, Vec3 point, Quantity) const = 0;
+  /// Throws base::UserError, opened by `origin`, where the point lies farther from the body than the elements there are
+  /// large: its nearest node would stand for nothing.
+  virtual void check_point(const std::string& body, const Vec3& point, const Origin& origin) const = 0;
   /// Force [N] of supports and prescribed motions on the nodes of a group of a body.
   virtual Vec3 reaction(const std::string& body, const std::string& group) const = 0;
   /// Mean stress [Pa] (xx, yy, zz, xy, yz, xz) of every element of a body in the order of its mesh, on every rank.

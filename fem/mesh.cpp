@@ -85,6 +85,7 @@ Mesh checked(RawMesh raw, const Body& body) {
   const std::string head = message_head(body.origin, body.name);
   const int wanted = element_nodes(body.element);
   check_volumes(raw, head);
+  check_doubles(raw, head);
   if (cell_corners(wanted) == 4 && raw.cell_nodes == 8) split_into_tetrahedra(raw, head);
   if (wanted > 8 && raw.cell_nodes == cell_corners(wanted)) add_middle_nodes(raw);
   base::require_user(cell_corners(wanted) == 4 || cell_corners(raw.cell_nodes) == 8,
@@ -105,6 +106,7 @@ Mesh checked(RawMesh raw, const Body& body) {
   mesh.element_nodes = raw.cell_nodes;
   for (const auto& cell : raw.cells) mesh.elements.insert(mesh.elements.end(), cell.begin(), cell.begin() + wanted);
   const FaceTable faces(raw);
+  mesh.rigid_parts = faces.rigid_parts(mesh.element_count());
   for (auto& [name, nodes] : raw.nodes_of) mesh.groups[name].nodes = std::move(nodes);
   for (const auto& [name, facets] : raw.surfaces) {
     auto& group = mesh.groups[name];
@@ -130,6 +132,7 @@ void share(MPI_Comm comm, Mesh& mesh) {
   broadcast(comm, mesh.element_nodes);
   broadcast(comm, mesh.elements);
   broadcast(comm, mesh.regions);
+  broadcast(comm, mesh.rigid_parts);
   std::vector<std::string> names;
   for (const auto& [name, group] : mesh.groups) names.push_back(name);
   int count = static_cast<int>(names.size());

@@ -21,8 +21,9 @@ struct Group {
 struct Mesh {
   std::vector<Vec3> nodes;  // [m] translated
   int element_nodes = 0;
-  std::vector<int> elements;  // element_nodes each
-  std::vector<int> regions;   // per element: which of Body::materials
+  std::vector<int> elements;     // element_nodes each
+  std::vector<int> regions;      // per element: which of Body::materials
+  std::vector<int> rigid_parts;  // per element: its part, joined by faces (hinges.hpp); empty: all are one
   std::map<std::string, Group> groups;
   std::vector<int> shared;  // per node: whose unknowns it shares (periodic.hpp); empty: each has its own
 

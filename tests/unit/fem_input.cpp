@@ -93,6 +93,20 @@ TEST(FemInput, InvertedElementNamesItsPlace) {
   expect_message(body, {"element 1 at (0.625, 0.625, 0.5) m is flat or inside out"});
 }
 
+TEST(FemInput, CellThatIsThereTwice) {
+  auto body = box("hex8", {});
+  body.mesh_parameters.clear();
+  std::string mesh = one_hexahedron("1 0 0 0\n2 2 0 0\n3 2 2 0\n4 0 2 0\n5 0 0 1\n6 2 0 1\n7 2 2 1\n8 0 2 1\n");
+  const std::string one = "$Elements\n1\n1 5 2 1 1 1 2 3 4 5 6 7 8\n";
+  mesh.replace(mesh.find(one), one.size(), "$Elements\n2\n1 5 2 1 1 1 2 3 4 5 6 7 8\n2 5 2 1 1 2 3 4 1 6 7 8 5\n");
+  body.mesh_file = written("twice.msh", mesh);
+  for (const char* element : {"hex8", "hex20", "tet4"}) {
+    body.element = element;
+    expect_message(body, {"scene.toml:3: body \"box\": elements 1 and 2 at (1, 1, 0.5) m have the same corners; the "
+                          "mesh holds this cell twice, with twice its mass and stiffness; take one out"});
+  }
+}
+
 TEST(FemInput, UnknownGroupsListThoseThere) {
   const std::string groups = "it has: solid, x_max, x_min, y_max, y_min, z_max, z_min";
   auto body = box("hex8", {});
