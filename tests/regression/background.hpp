@@ -56,6 +56,11 @@ class Background {
     }
     return std::nullopt;
   }
+  /// Waits until a file has this text, or the run is over.
+  void await_text(const fs::path& file, const std::string& text) const {
+    while (slurp(file).find(text) == std::string::npos && !over())
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
   /// Waits until history.csv of its run has so many rows, or the run is over.
   void await_rows(const fs::path& out, int rows) const {
     const auto lines = [&] {

@@ -188,6 +188,7 @@ TEST(Restart, AfterTwentyTimesKillNine) {
                                                : fmt::format("--set output.checkpoint_interval={} ", interval);
     Background life(
         fmt::format("run '{}' --threads 1 --out '{}' {} {}", scene.string(), out.string(), checkpoints, go_on), 0, log);
+    if (k > 0) life.await_text(log, "goes on from");  // until then history.csv is the life before's
     life.await_rows(out, moments[k]);
     kill(life.process(), SIGKILL);
     const auto status = life.wait(30);
@@ -204,26 +205,28 @@ TEST(Restart, AfterTwentyTimesKillNine) {
 }
 
 // A rank that dies takes the job with it, and the job can go on.
-TEST(Restart, AfterARankWasKilled) {
+void expect_job_ends_with_a_rank(const std::string& name, int ranks, const std::string& more) {
   std::string text = coupled_scene();
   const std::string end = "duration = \"20 ms\"";
-  const fs::path scene = write_scene("lost", text.replace(text.find(end), end.size(), "duration = \"200 ms\""));
-  const fs::path whole = scratch() / "lost_whole", out = scratch() / "lost", log = scratch() / "lost.txt";
-  ASSERT_EQ(run(scene, whole, "", 2).status, 0);
-  Background life(fmt::format("run '{}' --threads 1 --out '{}' --set 'output.checkpoint_interval=4 ms'", scene.string(),
-                              out.string()),
-                  2, log);
+  const fs::path scene = write_scene(name, text.replace(text.find(end), end.size(), "duration = \"200 ms\""));
+  const fs::path whole = scratch() / (name + "_whole"), out = scratch() / name, log = scratch() / (name + ".txt");
+  ASSERT_EQ(run(scene, whole, more, ranks).status, 0);
+  Background life(fmt::format("run '{}' --threads 1 --out '{}' --set 'output.checkpoint_interval=4 ms'{}",
+                              scene.string(), out.string(), more),
+                  ranks, log);
   life.await_rows(out, 60);
-  const auto ranks = life.children();
-  ASSERT_EQ(ranks.size(), 2u);
-  kill(ranks[1], SIGKILL);
+  const auto processes = life.children();
+  ASSERT_EQ(processes.size(), static_cast<std::size_t>(ranks));
+  kill(processes[1], SIGKILL);
   const auto status = life.wait(30);
   ASSERT_TRUE(status) << "the job hangs";
   EXPECT_FALSE(WIFEXITED(*status) && WEXITSTATUS(*status) == 0) << slurp(log);
-  const auto finished = restart(scene, out, "", 2);
+  const auto finished = restart(scene, out, more, ranks);
   ASSERT_EQ(finished.status, 0) << finished.output;
   expect_same_bits(whole, out);
 }
+TEST(Restart, AfterARankOfElementsWasKilled) { expect_job_ends_with_a_rank("lost", 2, ""); }
+TEST(Restart, AfterARankOfGrainsWasKilled) { expect_job_ends_with_a_rank("lost_slab", 3, " --dem-ranks 2"); }
 
 TEST(Restart, SignalsLeaveCheckpoints) {
   const fs::path scene = write_scene("signals", long_grains_scene()), whole = scratch() / "signals_whole";
