@@ -186,6 +186,7 @@ TEST(Restart, AfterTwentyTimesKillNine) {
     // Every third life writes by the clock.
     const std::string checkpoints = k % 3 == 2 ? "--set output.checkpoint_wall_time=1e-3 "
                                                : fmt::format("--set output.checkpoint_interval={} ", interval);
+    fs::remove(log);
     Background life(
         fmt::format("run '{}' --threads 1 --out '{}' {} {}", scene.string(), out.string(), checkpoints, go_on), 0, log);
     if (k > 0) life.await_text(log, "goes on from");  // until then history.csv is the life before's
