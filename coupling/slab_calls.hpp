@@ -11,11 +11,38 @@
 
 namespace coupling {
 
-/// dem::Simulation::nodal_impulse as a value.
-inline std::vector<dem::Vec3> nodal_impulses(const dem::Simulation& part, int wall, std::size_t nodes) {
-  std::vector<dem::Vec3> impulse(nodes);
-  part.nodal_impulse(wall, impulse);
-  return impulse;
+/// What the grains have passed to a mesh in one advance(): to the nodes that got something, and on the grains' side.
+struct MeshImpulse {
+  std::vector<int> node;
+  std::vector<dem::Vec3> impulse;  // [N s]
+  dem::Vec3 on_grains;             // [N s]
+};
+template <>
+struct Members<MeshImpulse> {
+  static auto tie(auto& value) {
+    auto& [node, impulse, on_grains] = value;
+    return std::tie(node, impulse, on_grains);
+  }
+};
+
+/// dem::Simulation::advance, and what it has done to these meshes of so many nodes: one answer in each window.
+inline std::vector<MeshImpulse> advance_over(dem::Simulation& part, int n, double dt, std::span<const int> meshes,
+                                             std::span<const int> nodes) {
+  part.advance(n, dt);
+  std::vector<MeshImpulse> impulses(meshes.size());
+  std::vector<dem::Vec3> whole;
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    whole.assign(static_cast<std::size_t>(nodes[k]), {});
+    part.nodal_impulse(meshes[k], whole);
+    for (int node = 0; node < nodes[k]; ++node) {
+      const dem::Vec3& impulse = whole[static_cast<std::size_t>(node)];
+      if (base::norm2(impulse) == 0) continue;
+      impulses[k].node.push_back(node);
+      impulses[k].impulse.push_back(impulse);
+    }
+    impulses[k].on_grains = part.wall_impulse_on_grains(meshes[k]);
+  }
+  return impulses;
 }
 
 /// What an argument is when it has travelled.
@@ -38,7 +65,7 @@ CallTypes<R, A...> call_types(R (dem::Simulation::*)(A...));
 template <class R, class... A>
 CallTypes<R, A...> call_types(R (dem::Simulation::*)(A...) const);
 template <class R, class... A>
-CallTypes<R, A...> call_types(R (*)(const dem::Simulation&, A...));
+CallTypes<R, A...> call_types(R (*)(dem::Simulation&, A...));
 
 template <auto call>
 using ResultOf = typename decltype(call_types(call))::Result;
@@ -81,9 +108,10 @@ using SlabCalls =
     CallTable<&Sim::add_shape, &Sim::add_grains, &Sim::remove_grains, &Sim::grains, &Sim::spheres, &Sim::set_grains,
               &Sim::scale_grains, &Sim::set_material, &Sim::set_interaction, &Sim::set_gravity, &Sim::set_grain_damping,
               &Sim::add_plane, &Sim::add_mesh, &Sim::remove_wall, &Sim::set_wall_velocity, &Sim::set_wall_body,
-              &Sim::set_wall_load, &Sim::set_mesh_target, &nodal_impulses, &Sim::node_springs,
-              &Sim::wall_impulse_on_grains, &Sim::advance, &Sim::stable_step, &Sim::contact_stable_step, &Sim::save,
-              &Sim::restore, &Sim::restore_parts, &Sim::energy, &Sim::reset_energy, &Sim::grain_contacts, &Sim::wall_contacts, &Sim::counts>;
+              &Sim::set_wall_load, &Sim::set_mesh_target, &Sim::node_springs, &Sim::wall_impulse_on_grains,
+              &advance_over, &Sim::stable_step, &Sim::contact_stable_step, &Sim::time, &Sim::save, &Sim::restore,
+              &Sim::restore_parts, &Sim::energy, &Sim::reset_energy, &Sim::grain_contacts, &Sim::wall_contacts,
+              &Sim::counts>;
 
 /// The number of a call in an order; what concerns no simulation's own calls comes after them.
 template <auto call>
@@ -91,6 +119,6 @@ constexpr int order_of() {
   static_assert(SlabCalls::number<call>() < SlabCalls::size, "the call has no row in SlabCalls");
   return SlabCalls::number<call>();
 }
-enum SlabOrder : int { create_slab = SlabCalls::size, destroy_slab, use_threads, one_for_each, leave };
+enum SlabOrder : int { create_slab = SlabCalls::size, destroy_slab, use_threads, several, one_for_each, leave };
 
 }  // namespace coupling

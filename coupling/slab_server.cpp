@@ -1,6 +1,7 @@
 #include "coupling/slab_server.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
@@ -51,6 +52,11 @@ void SlabBench::perform(ByteReader& order, ByteWriter& answer) {
     parts_.erase(simulation);
   } else if (call == use_threads) {
     dem::set_threads(order.get<int>());
+  } else if (call == several) {
+    for (const Bytes& one : order.get<std::vector<Bytes>>()) {
+      ByteReader next(one);
+      perform(next, answer);
+    }
   }
   base::require_internal(order.empty(), "an order to a DEM rank is longer than its call");
 }
@@ -84,11 +90,20 @@ std::unique_ptr<dem::Simulation> SlabCrew::make(const dem::Setup& setup, dem::Ba
 void SlabCrew::set_threads(int threads) { order(ByteWriter(use_threads, 0, threads).bytes()); }
 
 std::vector<ByteReader> SlabCrew::order(const Bytes& what) {
-  post_.give(what);
-  return collect(what);
+  if (later_.empty()) {
+    post_.give(what);
+    return collect(what);
+  }
+  later_.push_back(what);
+  const Bytes all = ByteWriter(several, 0, std::exchange(later_, {})).take();
+  post_.give(all);
+  return collect(all);
 }
 
+void SlabCrew::order_later(Bytes what) { later_.push_back(std::move(what)); }
+
 std::vector<ByteReader> SlabCrew::order_each(const std::vector<Bytes>& orders) {
+  if (has_later()) order(ByteWriter(several, 0, std::vector<Bytes>{}).bytes());
   post_.give(ByteWriter(one_for_each, 0).bytes());
   for (int rank = 1; rank < ranks(); ++rank) post_.give_to(rank, orders[static_cast<std::size_t>(rank)]);
   return collect(orders[0]);

@@ -58,7 +58,10 @@ class SlabCrew {
 
   /// Has all parts do this; what they answer, by rank. When any of them fails, throws for all.
   std::vector<ByteReader> order(const Bytes&);
-  /// The same, with an order of its own for every part.
+  /// The same, with the next order: for what gives no answer and does not fail.
+  void order_later(Bytes);
+  bool has_later() const { return !later_.empty(); }
+  /// As order(), with an order of its own for every part.
   std::vector<ByteReader> order_each(const std::vector<Bytes>&);
   dem::Simulation& own_part(int simulation) { return bench_.part(simulation); }
 
@@ -68,6 +71,7 @@ class SlabCrew {
   SlabPost post_;
   SlabBench bench_;
   std::vector<Bytes> answers_;  // to the last order
+  std::vector<Bytes> later_;    // to go with the next
   int made_ = 0;
 };
 

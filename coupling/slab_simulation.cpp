@@ -45,6 +45,18 @@ auto SlabSimulation::all(const A&... arguments) const {
   }
 }
 
+/// With the next order that is answered.
+template <auto call, class... A>
+void SlabSimulation::later(const A&... arguments) {
+  static_assert(std::is_void_v<ResultOf<call>>);
+  crew_.order_later(ByteWriter(order_of<call>(), number_, arguments...).take());
+}
+
+const dem::Simulation& SlabSimulation::own() const {
+  if (crew_.has_later()) all<&Sim::time>();
+  return crew_.own_part(number_);
+}
+
 /// Lists of the parts, one after the other.
 template <auto call, class... A>
 auto SlabSimulation::joined(const A&... arguments) const {
@@ -62,13 +74,13 @@ void SlabSimulation::scale_grains(std::span<const std::int64_t> ids, double fact
   all<&Sim::scale_grains>(ids, factor);
 }
 void SlabSimulation::set_material(int number, const dem::Material& material) {
-  all<&Sim::set_material>(number, material);
+  later<&Sim::set_material>(number, material);
 }
 void SlabSimulation::set_interaction(int a, int b, const dem::Interaction& interaction) {
-  all<&Sim::set_interaction>(a, b, interaction);
+  later<&Sim::set_interaction>(a, b, interaction);
 }
-void SlabSimulation::set_gravity(dem::Vec3 gravity) { all<&Sim::set_gravity>(gravity); }
-void SlabSimulation::set_grain_damping(double alpha) { all<&Sim::set_grain_damping>(alpha); }
+void SlabSimulation::set_gravity(dem::Vec3 gravity) { later<&Sim::set_gravity>(gravity); }
+void SlabSimulation::set_grain_damping(double alpha) { later<&Sim::set_grain_damping>(alpha); }
 
 std::vector<dem::Grain> SlabSimulation::grains() const {
   auto list = joined<&Sim::grains>();
@@ -93,20 +105,29 @@ int SlabSimulation::add_mesh(const base::Skin& skin, int material, bool two_side
   return all<&Sim::add_mesh>(skin, material, two_sided)[0];
 }
 void SlabSimulation::remove_wall(int wall) { all<&Sim::remove_wall>(wall); }
-void SlabSimulation::set_wall_velocity(int wall, dem::Vec3 velocity) { all<&Sim::set_wall_velocity>(wall, velocity); }
+void SlabSimulation::set_wall_velocity(int wall, dem::Vec3 velocity) { later<&Sim::set_wall_velocity>(wall, velocity); }
 void SlabSimulation::set_wall_body(int wall, const dem::WallBody& body) { all<&Sim::set_wall_body>(wall, body); }
 void SlabSimulation::set_wall_load(int wall, dem::Vec3 force, dem::Vec3 torque) {
-  all<&Sim::set_wall_load>(wall, force, torque);
+  later<&Sim::set_wall_load>(wall, force, torque);
 }
 void SlabSimulation::set_mesh_target(int wall, std::span<const dem::Vec3> positions,
                                      std::span<const dem::Vec3> velocities, dem::MeshWay way) {
-  all<&Sim::set_mesh_target>(wall, positions, velocities, way);
+  if (std::ranges::find(meshes_, wall) == meshes_.end()) {
+    meshes_.push_back(wall);
+    nodes_.push_back(static_cast<int>(positions.size()));
+    impulses_.clear();
+  }
+  later<&Sim::set_mesh_target>(wall, positions, velocities, way);
 }
 
 void SlabSimulation::nodal_impulse(int wall, std::span<dem::Vec3> impulse) const {
+  const auto mesh = static_cast<std::size_t>(std::ranges::find(meshes_, wall) - meshes_.begin());
+  base::require_internal(mesh < meshes_.size() && impulse.size() == static_cast<std::size_t>(nodes_[mesh]),
+                         "impulse of another mesh");
   std::ranges::fill(impulse, dem::Vec3{});
-  for (const auto& part : all<&nodal_impulses>(wall, impulse.size()))
-    for (std::size_t node = 0; node < impulse.size(); ++node) impulse[node] += part[node];
+  for (const auto& part : impulses_)
+    for (std::size_t k = 0; k < part[mesh].node.size(); ++k)
+      impulse[static_cast<std::size_t>(part[mesh].node[k])] += part[mesh].impulse[k];
 }
 
 std::vector<dem::NodeSpring> SlabSimulation::node_springs(int wall) const {
@@ -123,12 +144,19 @@ std::vector<dem::NodeSpring> SlabSimulation::node_springs(int wall) const {
 
 dem::Vec3 SlabSimulation::wall_impulse_on_grains(int wall) const {
   dem::Vec3 sum;
+  if (const auto mesh = std::ranges::find(meshes_, wall); mesh != meshes_.end() && !impulses_.empty()) {
+    for (const auto& part : impulses_) sum += part[static_cast<std::size_t>(mesh - meshes_.begin())].on_grains;
+    return sum;
+  }
   for (const dem::Vec3& part : all<&Sim::wall_impulse_on_grains>(wall)) sum += part;
   return sum;
 }
 
-void SlabSimulation::advance(int n, double dt) { all<&Sim::advance>(n, dt); }
+void SlabSimulation::advance(int n, double dt) {
+  impulses_ = all<&advance_over>(n, dt, std::span<const int>(meshes_), std::span<const int>(nodes_));
+}
 dem::StableStep SlabSimulation::stable_step() const { return shortest(all<&Sim::stable_step>()); }
+
 dem::StableStep SlabSimulation::contact_stable_step() const { return shortest(all<&Sim::contact_stable_step>()); }
 
 base::Columns SlabSimulation::save() const {

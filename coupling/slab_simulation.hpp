@@ -1,7 +1,8 @@
 #pragma once
 // A simulation whose grains are shared out over the DEM ranks, as the first of them uses it: every call goes to all
 // parts, and what they measure is put together. Sums are taken in the order of the ranks.
-// Where it differs from one that holds all grains: bonds are refused.
+// Where it differs from one that holds all grains: bonds are refused. In a window one order goes out, with the meshes'
+// targets and the steps, and one answer comes back, with what the nodes got.
 #include <string>
 
 #include "coupling/slab_server.hpp"
@@ -70,11 +71,15 @@ class SlabSimulation : public dem::Simulation {
   template <auto call, class... A>
   auto all(const A&... arguments) const;
   template <auto call, class... A>
+  void later(const A&... arguments);
+  template <auto call, class... A>
   auto joined(const A&... arguments) const;
-  const dem::Simulation& own() const { return crew_.own_part(number_); }
+  const dem::Simulation& own() const;
 
   SlabCrew& crew_;
   int number_;
+  std::vector<int> meshes_, nodes_;                 // that have had a target, and how many nodes they have
+  std::vector<std::vector<MeshImpulse>> impulses_;  // of the last advance(), by part
 };
 
 }  // namespace coupling

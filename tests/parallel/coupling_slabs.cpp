@@ -380,7 +380,7 @@ TEST(SlabServer, EveryCallReachesAllPartsAsItWasMade) {
 TEST(SlabServer, AnswersArePutTogether) {
   lead([](coupling::SlabCrew& crew) {
     const auto owned = crew.make(sample_setup(), dem::Backend::omp);
-    const dem::Simulation& simulation = *owned;
+    dem::Simulation& simulation = *owned;
     const auto grains = simulation.grains();
     ASSERT_EQ(grains.size(), 100u * static_cast<std::size_t>(ranks()));
     for (std::size_t k = 0; k < grains.size(); ++k) EXPECT_EQ(grains[k].id, static_cast<std::int64_t>(k));
@@ -392,8 +392,12 @@ TEST(SlabServer, AnswersArePutTogether) {
       EXPECT_TRUE(k == 0 || spheres[k].id > spheres[k - 1].id);
     }
     const double n = ranks(), sum = n * (n + 1) / 2;  // of 1 + part
+    EXPECT_EQ(text(simulation.wall_impulse_on_grains(4)), text(Vec3{4 * n, n, sum}));
     std::vector<Vec3> impulse(100, {9, 9, 9});
+    simulation.set_mesh_target(4, impulse, impulse, dem::MeshWay::line);
+    simulation.advance(1, 1e-5);
     simulation.nodal_impulse(4, impulse);
+    EXPECT_EQ(text(simulation.wall_impulse_on_grains(4)), text(Vec3{4 * n, n, sum}));
     EXPECT_EQ(text(impulse[99]), text(Vec3{4 * n, 99 * n, sum}));
     const auto springs = simulation.node_springs(6);
     ASSERT_EQ(springs.size(), 2u);
