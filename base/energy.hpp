@@ -30,7 +30,7 @@ struct Energy {
            loss_plastic;
   }
   Energy& operator+=(const Energy& other) {
-    for (double Energy::*term :
+    for (const auto term :
          {&Energy::kinetic, &Energy::elastic_normal, &Energy::elastic_shear, &Energy::elastic_bonds, &Energy::strain,
           &Energy::work_gravity, &Energy::work_loads, &Energy::work_walls, &Energy::work_interface,
           &Energy::loss_friction, &Energy::loss_contact_damping, &Energy::loss_rolling, &Energy::loss_breakage,
