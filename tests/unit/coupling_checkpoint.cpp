@@ -165,8 +165,8 @@ TEST_F(Checkpoint, OfAnotherVersionIsRefused) {
   } catch (const base::UserError& error) {
     text = error.what();
   }
-  EXPECT_EQ(text, "./checkpoint-0001.h5: written by Trackbed 0.0.9 (old), format 1, this is " +
-                      std::string(base::code_version()) +
+  EXPECT_EQ(text, "./checkpoint-0001.h5: written by Trackbed 0.0.9 (old), format " +
+                      std::to_string(coupling::checkpoint_format) + ", this is " + std::string(base::code_version()) +
                       "; restart with that version, or start a new run without --restart");
 }
 
