@@ -262,22 +262,40 @@ TEST(Runs, CheckTellsWhatASceneSwitchesOn) {
 }
 
 TEST(Runs, AllRanksOfAGrainSceneHoldGrains) {
-  const fs::path file = scratch() / "grains.toml";
-  std::ofstream(file)
-      << "title = \"one grain\"\n[grains]\nmaterial = { young_modulus = \"1 GPa\", poisson_ratio = 0.2, "
-         "density = 2700 }\nfriction = 0.5\nrestitution = 0.5\n[[grain]]\nposition = [0, 0, 1]\nradius = "
-         "0.02\n[[stage]]\nname = \"fall\"\n"
-         "duration = \"1 ms\"\n";
-  const auto one = trackbed("run " + file.string() + " --out " + (scratch() / "one_grain").string());
+  const auto write = [](const std::string& name, int grains) {
+    std::ofstream(scratch() / name) << fmt::format(R"(title = "grains"
+[grains]
+material = {{ young_modulus = "1 GPa", poisson_ratio = 0.2, density = 2700 }}
+friction = 0.5
+restitution = 0.5
+[[grain]]
+position = [0, 0, 1]
+radius = 0.02
+repeat = [{}, 1, 1]
+spacing = [0.05, 0, 0]
+[[stage]]
+name = "fall"
+duration = "1 ms"
+)",
+                                                   grains);
+    return "run " + name + " --out ";
+  };
+  const std::string run = write("grains.toml", 6);
+  const auto one = trackbed(run + "one_rank");
   EXPECT_EQ(one.status, 0) << one.output;
-  EXPECT_FALSE(summary(scratch() / "one_grain")["wall_share"].contains("fem"));
-  const auto two = trackbed("run " + file.string() + " --out " + (scratch() / "two").string(), 2);
+  EXPECT_FALSE(summary(scratch() / "one_rank")["wall_share"].contains("fem"));
+  const auto two = trackbed(run + "two_ranks", 2);
   EXPECT_EQ(two.status, 0) << two.output;
-  EXPECT_EQ(summary(scratch() / "two")["ranks"], 2);
-  EXPECT_EQ(summary(scratch() / "two")["dem_ranks"], 2);
-  const auto other = trackbed("run " + file.string() + " --dem-ranks 1 --out " + (scratch() / "other").string(), 2);
+  const auto two_ranks = summary(scratch() / "two_ranks");
+  EXPECT_EQ(two_ranks["ranks"], 2);
+  EXPECT_EQ(two_ranks["dem_ranks"], 2);
+  EXPECT_EQ(two_ranks["grains"], 6);
+  const auto other = trackbed(run + "other --dem-ranks 1", 2);
   EXPECT_EQ(other.status, 2) << other.output;
   EXPECT_NE(other.output.find("no deformable body, so all of 2 ranks hold grains"), std::string::npos) << other.output;
+  const auto thin = trackbed(write("grain.toml", 1) + "thin", 2);
+  EXPECT_EQ(thin.status, 2) << thin.output;
+  EXPECT_NE(thin.output.find("cannot be cut into 2 slabs"), std::string::npos) << thin.output;
 }
 
 // Parts of one mpirun line, each with its role; the solids' first. The same run as by numbers.
