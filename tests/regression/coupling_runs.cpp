@@ -1,4 +1,5 @@
 // Whole runs as a user starts them: the quick scenes, forced instability, refused input.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "tests/regression/run_helper.hpp"
