@@ -294,7 +294,7 @@ duration = "1 ms"
   const auto other = trackbed(run + "other --dem-ranks 1", 2);
   EXPECT_EQ(other.status, 2) << other.output;
   EXPECT_NE(other.output.find("no deformable body, so all of 2 ranks hold grains"), std::string::npos) << other.output;
-  const auto thin = trackbed(write("grain.toml", 1) + "thin", 2);
+  const auto thin = trackbed(write("pair.toml", 2) + "thin", 2);
   EXPECT_EQ(thin.status, 2) << thin.output;
   EXPECT_NE(thin.output.find("cannot be cut into 2 slabs"), std::string::npos) << thin.output;
 }
