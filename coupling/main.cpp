@@ -152,7 +152,7 @@ int main(int argc, char** argv) {
       ->add_option("--dem-ranks", arguments.options.ranks.dem_ranks,
                    "how many ranks of mpirun hold grains, a slab of the track each; the others hold the bodies "
                    "(default: 1; all in a scene without bodies)")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, 1000000))
       ->type_name("D");
   run_command
       ->add_option("--role", arguments.options.ranks.role,

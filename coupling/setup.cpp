@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
@@ -47,10 +49,33 @@ void check_probes(const Scene& scene, const fem::Model& bodies) {
   }
 }
 
+/// Throws on every rank where the parts of one mpirun line ask for different runs.
+void require_one_run(MPI_Comm all, const Scene& scene, const RunOptions& options) {
+  const std::pair<const char*, std::string> asked[] = {
+      {"the scene, or a --set,", scene.resolved_toml},
+      {"--until", options.until ? fmt::format("{:.17g}", *options.until) : ""},
+      {"--restart", options.restart},
+      {"--out", options.out ? options.out->string() : ""},
+      {"--overwrite", options.overwrite ? "yes" : "no"},
+      {"--backend", options.backend},
+  };
+  for (const auto& [name, value] : asked) {
+    const std::uint64_t mine = std::hash<std::string>()(value);
+    std::uint64_t least = 0, most = 0;
+    MPI_Allreduce(&mine, &least, 1, MPI_UINT64_T, MPI_MIN, all);
+    MPI_Allreduce(&mine, &most, 1, MPI_UINT64_T, MPI_MAX, all);
+    base::require_user(
+        least == most,
+        fmt::format("{} is not the same in all parts of the mpirun line; give every part the same but for --role",
+                    name));
+  }
+}
+
 }  // namespace
 
 Setup::Setup(MPI_Comm all, const RunOptions& options_) : options(options_) {
   agree(all, [&] { scene = read_scene(options.scene, options.overrides); });
+  agree(all, [&] { require_one_run(all, scene, options); });
   agree(all, [&] { roles = std::make_unique<Roles>(all, scene, options.ranks); });
   if (roles->is_worker) return;
   if (roles->is_dem && roles->dem_ranks > 1) slabs = std::make_unique<SlabCrew>(roles->dem);

@@ -446,10 +446,11 @@ inline std::vector<double> System::extents() {
       if (company.ring() && p == 0 && q == parts - 1) continue;
       const double gap = all[static_cast<std::size_t>(3 * q)] - all[static_cast<std::size_t>(3 * p + 1)];
       if (gap > skin_) continue;
-      char message[160];
+      char message[220];
       std::snprintf(message, sizeof message,
-                    "dem: the slab of part %d has become so thin that its neighbours touch; use fewer ranks for grains",
-                    p + 1);
+                    "dem: the neighbours of the slab of part %d come near each other: it is thin for these grains and "
+                    "this neighbour skin of %.3g m; use fewer ranks for grains",
+                    p + 1, skin_);
       throw base::UserError(message);
     }
   return all;
@@ -499,10 +500,7 @@ inline void System::take_ghosts() {
       LetterWriter writer(out[side]);
       for (int g = 0; g < n; ++g) {
         const double x = place[g].position.x + shift, far = place[g].radius + skin_;
-        // Towards the face only: in a ring of two parts the other face is near the same neighbour.
-        const bool towards =
-            side == Company::below ? x - far < high && x > 0.5 * (low + high) : x + far > low && x < 0.5 * (low + high);
-        if (!(low < high) || !towards) continue;
+        if (!(x - far < high && x + far > low)) continue;
         rows.push_back(g);
         Ghost ghost{
             .place = place[g], .motion = {}, .key = ghosts_.keys[static_cast<std::size_t>(g)], .material = material[g]};

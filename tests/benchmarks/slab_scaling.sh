@@ -39,7 +39,7 @@ name = "side1"
 plane = { point = [0, 1.08, 0], normal = [0, -1, 0] }
 [[stage]]
 name = "settle"
-duration = "0.2 s"
+duration = "2 s"
 measure = true
 [[probe]]
 name = "kinetic"

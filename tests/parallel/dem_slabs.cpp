@@ -6,6 +6,7 @@
 #include <barrier>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 #include <string>
 #include <thread>
@@ -302,6 +303,48 @@ TEST(Slabs, AreCutAnewWhereWorkComesLater) {
     least = std::min(least, part.grains.size());
   }
   EXPECT_LT(static_cast<double>(most), 1.2 * static_cast<double>(least));
+}
+
+// A clump glides under another one that lies just above the cut and falls on it: its spheres reach over the cut, past
+// the middle of all that its neighbour holds.
+TEST(Slabs, OfClumpsThatReachOverTheCut) {
+  const auto spheres = dem::read_spheres(std::string(TRACKBED_SOURCE_FOLDER) + "/meshes/ballast/stone1.clump36.csv");
+  const dem::Clump stone = dem::make_clump(spheres);
+  for (const double x : {0.2, 0.21, 0.22, 0.23}) {
+    const auto fall = [&](Company* company) {
+      dem::set_threads(1);
+      dem::Setup setup;
+      setup.company = company;
+      setup.materials = {{"stone", 2e7, 0.2, 2700}};
+      setup.interactions = {{0.6, 0.4, 0.0}};
+      const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+      sim->add_shape(stone);
+      const double angle = -std::numbers::pi / 12;
+      const std::vector<dem::Grain> grains{
+          {.position = {0, 0, 0}, .radius = 0.035, .velocity = {x / 0.29, 0, 0}, .id = 0, .shape = 0},
+          {.position = {x, 0, 0.4},
+           .radius = 0.035,
+           .velocity = {0, 0, -1.2},
+           .id = 1,
+           .shape = 0,
+           .orientation = {std::cos(angle), 0, std::sin(angle), 0}},
+          {.position = {0.6, 1, 0}, .radius = 0.02, .id = 2}};
+      sim->add_grains(grains);
+      sim->advance(10000, dt);
+      return sim->grains();
+    };
+    const auto whole = fall(nullptr);
+    EXPECT_GT(std::abs(whole[0].velocity.z), 0.05) << "they miss each other";
+    std::vector<dem::Grain> all;
+    std::array<std::vector<dem::Grain>, 2> held;
+    in_parts(2, {}, [&](int part, Company* company) { held[part] = fall(company); });
+    for (const auto& part : held) all.insert(all.end(), part.begin(), part.end());
+    std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+    ASSERT_EQ(all.size(), 3u);
+    EXPECT_FALSE(held[0].empty() || held[1].empty());
+    for (std::size_t g = 0; g < 3; ++g)
+      EXPECT_LE(base::norm(all[g].velocity - whole[g].velocity), 1e-9) << x << ", grain " << g;
+  }
 }
 
 TEST(Slabs, StopTogether) {
