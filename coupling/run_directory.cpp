@@ -116,6 +116,7 @@ HistoryTable read_history(const fs::path& csv) {
   std::ifstream stream(csv);
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
+    if (stream.eof()) break;  // torn: its run was killed, or is writing it
     if (trimmed(line).empty() || line.front() == '#') continue;
     const auto cells = cells_of(line);
     if (table.columns.empty()) {

@@ -65,6 +65,16 @@ TEST_F(CouplingRender, BrokenHistoryNamesLineAndColumn) {
   EXPECT_NE(message().find("history.csv:2: seat_load = 'one'; must be a number"), std::string::npos) << message();
 }
 
+// kill -9 can cut a row in two anywhere: between cells, or within a number, which then reads as another one.
+TEST_F(CouplingRender, LastRowOfAKilledRunIsLeftOut) {
+  for (const std::string torn : {"0.001", "0.001,-2", "0.001,-2000"}) {
+    put("history.csv", "time [s],seat_load [N]\n0,1.5\n" + torn);
+    const auto table = coupling::read_history(folder / "history.csv");
+    EXPECT_EQ(table.time(), std::vector{0.0}) << torn;
+    EXPECT_EQ(table.columns[1].values, std::vector{1.5}) << torn;
+  }
+}
+
 TEST_F(CouplingRender, CollectionGivesTimesAndFiles) {
   put_collection("grains", {0.0, 0.25});
   const auto levels = coupling::read_pvd(folder / "grains.pvd");
