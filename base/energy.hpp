@@ -1,7 +1,10 @@
 #pragma once
-// One side's energy ledger. Stored energies are values at the instant; works and losses are sums since the last reset.
-// Sign: a work is positive when it puts energy into the side; a loss is positive when energy leaves the mechanics.
+// One side's ledger. Stored energies are values at the instant; works, losses and impulses are sums since the last
+// reset. Sign: a work is positive when it puts energy into the side; a loss is positive when energy leaves the
+// mechanics.
 #include <initializer_list>
+
+#include "base/vec3.hpp"
 
 namespace base {
 
@@ -22,6 +25,10 @@ struct Energy {
   double loss_damping = 0;          // [J] mass-proportional damping, of grains or of bodies; absorbing boundaries
   double loss_viscous = 0;          // [J] viscosity of bodies (FEM)
   double loss_plastic = 0;          // [J] plastic flow of bodies (FEM)
+  // Received through the grain-skin interface since reset, as this side sees it: sums over steps of the force at a
+  // step's end times the step, and of its moment about the origin. (Rolling resistance brakes grains only.)
+  Vec3 interface_impulse;          // [N s]
+  Vec3 interface_angular_impulse;  // [N m s]
 
   double stored() const { return kinetic + elastic_normal + elastic_shear + elastic_bonds + strain; }
   double works() const { return work_gravity + work_loads + work_walls + work_interface; }
@@ -36,6 +43,8 @@ struct Energy {
           &Energy::loss_friction, &Energy::loss_contact_damping, &Energy::loss_rolling, &Energy::loss_breakage,
           &Energy::loss_damping, &Energy::loss_viscous, &Energy::loss_plastic})
       this->*term += other.*term;
+    interface_impulse += other.interface_impulse;
+    interface_angular_impulse += other.interface_angular_impulse;
     return *this;
   }
 };

@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "base/histories/axles.hpp"
 #include "base/histories/constant.hpp"
+#include "base/histories/formula.hpp"
 #include "base/histories/ramp.hpp"
 #include "base/histories/step.hpp"
 #include "base/histories/table.hpp"
@@ -35,6 +36,7 @@ const Row rows[] = {
     row<histories::Step>(),      //
     row<histories::Ramp>(),      //
     row<histories::Points>(),    //
+    row<histories::Formula>(),   //
     row<histories::Axles>("N"),
 };
 

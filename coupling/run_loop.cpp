@@ -30,6 +30,8 @@ FailureText timed(double& seconds, const std::function<void()>& work) {
   return failure;
 }
 
+bool is_coupled(const Scene& scene) { return scene.has_grains() && scene.has_bodies(); }
+
 std::vector<std::string> history_columns(const Scene& scene) {
   std::vector<std::string> columns{"time [s]", "stage [-]"};
   for (const auto& probe : scene.probes)
@@ -40,6 +42,12 @@ std::vector<std::string> history_columns(const Scene& scene) {
         "loss_damping", "loss_viscous", "loss_plastic", "residual"})
     columns.push_back(fmt::format("energy_{} [J]", name));
   columns.push_back("momentum_error [-]");
+  if (!is_coupled(scene)) return columns;
+  for (const char* quantity : {"impulse", "angular_impulse"})
+    for (const char* side : {"grains", "bodies"})
+      for (const char axis : {'x', 'y', 'z'})
+        columns.push_back(fmt::format("interface_{}_seen_by_{}_{} [N {}s]", quantity, side, axis,
+                                      std::string_view(quantity) == "impulse" ? "" : "m "));
   return columns;
 }
 
@@ -49,6 +57,13 @@ void append_energy(std::vector<double>& row, const Sides& sides, const Ledger& l
                          g.work_gravity + b.work_gravity, b.work_loads, g.work_walls, g.work_interface,
                          b.work_interface, g.loss_friction, g.loss_contact_damping, g.loss_rolling, g.loss_breakage,
                          g.loss_damping + b.loss_damping, b.loss_viscous, b.loss_plastic, ledger.residual()});
+}
+
+/// What each side has received through the interface.
+void append_impulses(std::vector<double>& row, const Sides& sides) {
+  for (const auto quantity : {&base::Energy::interface_impulse, &base::Energy::interface_angular_impulse})
+    for (const base::Energy* side : {&sides.grains, &sides.bodies})
+      for (int axis = 0; axis < 3; ++axis) row.push_back((side->*quantity)[axis]);
 }
 
 }  // namespace
@@ -256,6 +271,7 @@ void RunLoop::observe(bool picture, bool final) {
     row.insert(row.end(), sample.probes.begin(), sample.probes.end());
     append_energy(row, sample.energy, ledger_);
     row.push_back(setup_.exchange ? setup_.exchange->momentum_error() : 0.0);
+    if (is_coupled(setup_.scene)) append_impulses(row, sample.energy);
     history_->row(row);
     if (!measuring_) return;
     series_.time.push_back(time_);

@@ -96,6 +96,9 @@ void build_solver(Value& root, Scene& scene) {
   require_reader(table, "gamma", {"newmark"});
   require_reader(table, "modes", {"modal"});
   require_reader(table, "start", {"explicit", "newmark"});
+  require_reader(table, "step_bound", {"explicit"});
+  if (const Value* bound = table.find("step_bound"); bound && bound->text() == "elements")
+    solver.step_bound = fem::StepBound::elements;
   if (const Value* start = table.find("start")) solver.start_in_equilibrium = start->text() == "equilibrium";
   if (!solver.start_in_equilibrium) require_reader(table, "linear_solver", {"newmark", "static"});
   if (const Value* beta = table.find("beta")) solver.beta = beta->real();

@@ -19,6 +19,11 @@ const base::Table& fem_table() {
                   "unknowns. Not of a purely explicit run; modal factorises")
            .among({"auto", "direct", "iterative"})
            .optional("auto"),
+       base::text("step_bound",
+                  "of explicit: its stable step from the mesh's largest eigenvalue, or from the elements' one by one, "
+                  "which is found sooner and gives a shorter step")
+           .among({"mesh", "elements"})
+           .optional("mesh"),
        base::text("start", "equilibrium: at rest under the loads of time 0; of explicit and newmark")
            .among({"rest", "equilibrium"})
            .optional("rest"),

@@ -121,7 +121,21 @@ void ExplicitModel::correct(double dt) {
       ledger_.work_interface += 0.5 * dt * base::dot(contact.used[i], value_at(contact.nodes[i], Quantity::velocity));
     }
   }
+  book_interface_impulse(dt);
   agree_on_finite(update_accelerations(dt));
+}
+
+/// What the skins' nodes receive over a step that ends now.
+void ExplicitModel::book_interface_impulse(double dt) {
+  for (const auto& contact : contacts_) {
+    for (std::size_t i = 0; i < contact.nodes.size(); ++i) {
+      if (contact.used[i].x == 0 && contact.used[i].y == 0 && contact.used[i].z == 0) continue;
+      const double* u = displacement_.data() + 3 * contact.nodes[i];
+      const Vec3 impulse = dt * contact.used[i];
+      ledger_.interface_impulse += impulse;
+      ledger_.interface_angular_impulse += base::cross(contact.places[i] + Vec3{u[0], u[1], u[2]}, impulse);
+    }
+  }
 }
 
 /// All ranks look together every few steps, one rank alone at every step.

@@ -102,6 +102,7 @@ class ExplicitModel : public Model {
   std::vector<double> weights() const;  // [N] gravity on the owned components, zero where a support holds them
   void gather_external_forces(double time);
   double update_accelerations(double dt);
+  void book_interface_impulse(double dt);
   void agree_on_finite(double measure);
   int body_index(const std::string& name) const;
   double gravity_potential() const;

@@ -51,8 +51,14 @@ base::Energy ExplicitModel::energy() const {
                      ledger_.work_interface,
                      ledger_.loss_damping,
                      ledger_.loss_viscous,
-                     ledger_.loss_plastic};
-  sum(layout_.comm, values, 8);
+                     ledger_.loss_plastic,
+                     ledger_.interface_impulse.x,
+                     ledger_.interface_impulse.y,
+                     ledger_.interface_impulse.z,
+                     ledger_.interface_angular_impulse.x,
+                     ledger_.interface_angular_impulse.y,
+                     ledger_.interface_angular_impulse.z};
+  sum(layout_.comm, values, 14);
   base::Energy energy;
   energy.kinetic = values[0];
   energy.strain = values[1];
@@ -62,6 +68,8 @@ base::Energy ExplicitModel::energy() const {
   energy.loss_damping = values[5];
   energy.loss_viscous = values[6];
   energy.loss_plastic = values[7];
+  energy.interface_impulse = {values[8], values[9], values[10]};
+  energy.interface_angular_impulse = {values[11], values[12], values[13]};
   return energy;
 }
 

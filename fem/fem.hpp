@@ -115,11 +115,15 @@ enum class Solver {
   statics,         // every step ends in equilibrium; no mass, no damping
   modal,           // free vibrations; no steps
 };
+/// Where the explicit step's limit comes from: the largest eigenvalue of the mesh, or the cheaper bound that no element
+/// alone has a larger one (a shorter step).
+enum class StepBound { mesh, elements };
 enum class LinearSolver { automatic, direct, iterative };  // automatic: by the number of unknowns
 struct SolverSettings {
   Solver kind = Solver::explicit_steps;
   double beta = 0.25, gamma = 0.5;  // [-] of Newmark's method
   LinearSolver linear_solver = LinearSolver::automatic;
+  StepBound step_bound = StepBound::mesh;
   bool start_in_equilibrium = false;  // with the loads of time 0; explicit and Newmark
   Origin origin;
 };

@@ -142,6 +142,7 @@ void ImplicitModel::correct(double dt) {
   balanced_ = external_;
   weight_balanced_ = weight_;
   book_work(before, damping);
+  book_interface_impulse(dt);
 }
 
 /// A hinge, or a material without stiffness, lets a static body go anywhere.

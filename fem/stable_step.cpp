@@ -109,7 +109,9 @@ StableStep find_stable_step(const Setup& setup, const std::vector<Mesh>& meshes,
   /// 2 / sqrt(Lambda) for an upper bound Lambda of the largest eigenvalue of M^-1 (K + rate C)
   const auto step_at = [&](double rate) {
     limiter = assembly.limiter(rate);
-    const double bound = std::min(limiter.eigenvalue * (1 + 1e-8), lanczos_bound(layout, assembly, scale, rate));
+    double bound = limiter.eigenvalue * (1 + 1e-8);
+    if (setup.solver.step_bound == StepBound::mesh)
+      bound = std::min(bound, lanczos_bound(layout, assembly, scale, rate));
     return bound > 0 ? 2 / std::sqrt(bound) : INFINITY;
   };
   double step = step_at(0);

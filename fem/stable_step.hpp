@@ -10,7 +10,8 @@
 // (Kuczynski & Wozniakowski 1992, theorem 4.2, DOI 10.1137/0613066; no gap between eigenvalues is asked for). So
 // theta / (1 - eps) is above lambda_max; with eps = 0.04 the step is 2 % below the true limit at most. p = 1e-9 decides
 // k (about 70 for a million unknowns). The largest eigenvalue of any single element is a bound too (Hughes 2000, 9.3):
-// the smaller of the two is taken. Mass-proportional damping, treated as the model does, leaves the limit as it is.
+// the smaller of the two is taken, or (StepBound::elements) this one alone. Mass-proportional damping, treated as the
+// model does, leaves the limit as it is.
 #include <span>
 
 #include "fem/assembly.hpp"

@@ -49,6 +49,17 @@ struct ClearWallLosses {
   }
 };
 
+/// What grains received from coupled meshes: impulse, and its moment about the origin.
+struct SumPassed {
+  const Passed* passed;
+  TRACKBED_HD void operator()(int c, Sums<6>& s) const {
+    for (int k = 0; k < 3; ++k) {
+      s.value[k] += passed[c].impulse[k];
+      s.value[3 + k] += passed[c].angular[k];
+    }
+  }
+};
+
 struct SumGrainLosses {  // loss_rolling, loss_damping
   const GrainLedger* ledger;
   TRACKBED_HD void operator()(int g, Sums<2>& s) const {

@@ -357,6 +357,7 @@ WallPass<Law> System::wall_pass(const kernels::Interval& time, double ended) {
           .nodal = pointer(near_walls_.nodal),
           .nodal_rows = walls_.nodal_rows(),
           .ledger = pointer(near_walls_.ledger),
+          .passed = pointer(near_walls_.passed),
           .unstable = pointer(trouble_),
           .maximum_overlap = setup_.maximum_overlap,
           .time = time,

@@ -72,6 +72,10 @@ inline base::Energy System::pending() const {
   e.elastic_shear = pairs.value[3] + walls.value[3] + sweep_sums_.elastic_shear;
   e.work_walls = walls.value[5];
   e.work_interface = walls.value[6];
+  const auto passed =
+      ordered_sum<6>(static_cast<int>(near_walls_.passed.size()), SumPassed{pointer(near_walls_.passed)});
+  e.interface_impulse = {passed.value[0], passed.value[1], passed.value[2]};
+  e.interface_angular_impulse = {passed.value[3], passed.value[4], passed.value[5]};
   e.loss_rolling = grains.value[0] + pairs.value[4] + walls.value[4];
   e.loss_damping = grains.value[1];
   if (bonds_.any()) {
@@ -100,6 +104,8 @@ inline void System::flush_losses() {
   totals_.loss_breakage += e.loss_breakage;
   totals_.work_walls += e.work_walls;
   totals_.work_interface += e.work_interface;
+  totals_.interface_impulse += e.interface_impulse;
+  totals_.interface_angular_impulse += e.interface_angular_impulse;
   totals_.work_loads += e.work_loads;
   totals_.work_gravity += e.work_gravity;
   for (HostWall& wall : walls_.walls)
@@ -107,6 +113,7 @@ inline void System::flush_losses() {
       wall.body->work_loads = wall.body->work_gravity = wall.body->work_drive = wall.body->loss_damping = 0;
   launch(static_cast<int>(pairs_.ledger.size()), ClearPairLosses{pointer(pairs_.ledger)});
   launch(static_cast<int>(near_walls_.ledger.size()), ClearWallLosses{pointer(near_walls_.ledger)});
+  clear(near_walls_.passed);
   clear(grains_.ledger);
   bonds_.clear_losses();
 }
@@ -125,6 +132,8 @@ inline base::Energy System::energy() const {
   e.loss_breakage += p.loss_breakage;
   e.work_walls += p.work_walls;
   e.work_interface += p.work_interface;
+  e.interface_impulse += p.interface_impulse;
+  e.interface_angular_impulse += p.interface_angular_impulse;
   e.work_loads += p.work_loads;
   e.work_gravity += p.work_gravity;
   if (gravity_referenced_) e.work_gravity += gravity_potential() - gravity_reference_;

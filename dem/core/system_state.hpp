@@ -117,6 +117,7 @@ void walk_near_walls(Self& near, Walk& walk) {
   walk.rows("near_walls/impulse", near.impulse);
   walk.rows("near_walls/nodal", near.nodal);
   walk.rows("near_walls/ledger", near.ledger);
+  walk.rows("near_walls/passed", near.passed);
   walk.rows("near_walls/node_start", near.node_start);
   walk.rows("near_walls/node_entry", near.node_entry);
 }

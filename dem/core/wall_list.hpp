@@ -17,6 +17,7 @@ struct WallColumns {
   Vector<Vec3> impulse;
   Vector<NodalImpulse> nodal;          // empty: no coupled mesh
   Vector<WallLedger> ledger;           // empty: not tracked
+  Vector<Passed> passed;               // empty: not tracked, or no coupled mesh
   Vector<int> node_start, node_entry;  // coupled nodes -> candidates
 
   int size() const { return static_cast<int>(candidate.size()); }
@@ -24,7 +25,7 @@ struct WallColumns {
   std::size_t bytes() const {
     return bytes_of(slot) + bytes_of(grain) + bytes_of(start) + bytes_of(sum) + bytes_of(candidate) +
            bytes_of(grain_of) + bytes_of(state) + bytes_of(history) + bytes_of(impulse) + bytes_of(nodal) +
-           bytes_of(ledger) + bytes_of(node_start) + bytes_of(node_entry);
+           bytes_of(ledger) + bytes_of(passed) + bytes_of(node_start) + bytes_of(node_entry);
   }
 };
 
@@ -118,6 +119,7 @@ inline WallColumns build_walls(const Grains& grains, const Walls& walls, const C
   }
   if (walls.nodal()) {
     list.nodal.resize(static_cast<std::size_t>(candidates) * walls.nodal_rows());
+    if (options.ledger) list.passed.resize(candidates);
     link_nodes(walls, list);
   }
   return list;

@@ -23,6 +23,11 @@ struct WallLedger {
   double loss_rolling = 0;                       // [J] since the last flush
 };
 
+/// What a grain has received from a coupled mesh since the last flush, for the ledger.
+struct Passed {
+  Vec3 impulse, angular;  // [N s], [N m s] about the origin
+};
+
 template <class Law>
 struct WallPass {
   WallGeometry geometry;
@@ -43,6 +48,7 @@ struct WallPass {
   NodalImpulse* nodal;  // null: no mesh is coupled
   int nodal_rows;       // per candidate
   WallLedger* ledger;   // null: not tracked
+  Passed* passed;       // null: not tracked, or no mesh is coupled
   int* unstable;
   double maximum_overlap;
   kernels::Interval time;
@@ -237,6 +243,10 @@ struct WallPass {
     if (nodal && wall.nodal)
       for (int k = 0; k < carriers.number; ++k)
         nodal[nodal_rows * c + k / 4].node[k % 4] -= (carriers.share[k] * dt) * contact.force;
+    if (passed && wall.interface) {
+      passed[c].impulse += dt * contact.force;
+      passed[c].angular += dt * cross(p.position - vector, contact.force);
+    }
     if (ledger) {
       WallLedger& l = ledger[c];
       l.loss_friction += contact.loss_friction;

@@ -6,7 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <numbers>
 
+#include "coupling/run_directory.hpp"
 #include "tests/regression/run_helper.hpp"
 
 namespace {
@@ -72,7 +75,15 @@ probe_interval = "0.05 ms"
 struct Bounce {
   double rebound = 0, energy_error = 0, momentum_error = 0;
   int dem = 0, fem = 0;
+  std::map<std::string, double> last;  // row of history.csv
 };
+
+std::map<std::string, double> last_row(const fs::path& out) {
+  std::map<std::string, double> row;
+  for (const auto& column : coupling::read_history(out / "history.csv").columns)
+    row[column.name] = column.values.back();
+  return row;
+}
 
 Bounce bounce(const std::string& name, double dem_step, double fem_step, int ranks) {
   const fs::path out = scratch() / name;
@@ -82,9 +93,32 @@ Bounce bounce(const std::string& name, double dem_step, double fem_step, int ran
   EXPECT_EQ(finished.status, 0) << finished.output;
   const auto json = summary(out);
   const auto windows = json["steps"]["windows"].get<int>();
-  return {json["results"]["rebound"]["value"].get<double>(), json["energy"]["relative_error"].get<double>(),
-          json["momentum_error"].get<double>(), json["steps"]["dem"].get<int>() / windows,
-          json["steps"]["fem"].get<int>() / windows};
+  return {json["results"]["rebound"]["value"].get<double>(),
+          json["energy"]["relative_error"].get<double>(),
+          json["momentum_error"].get<double>(),
+          json["steps"]["dem"].get<int>() / windows,
+          json["steps"]["fem"].get<int>() / windows,
+          last_row(out)};
+}
+
+/// Both sides' views of what passed the interface: the momentum that the grain's flight tells, and its moment about the
+/// origin at the point where the grain came down.
+void expect_impulses_of(const Bounce& bounce) {
+  const auto at = [&](const char* quantity, const char* side, char axis) {
+    return bounce.last.at(fmt::format("interface_{}_seen_by_{}_{}", quantity, side, axis));
+  };
+  const double mass = 2700 * 4.0 / 3.0 * std::numbers::pi * std::pow(0.03, 3);
+  const double expected = mass * (bounce.last.at("speed") + 0.5 + 9.81 * bounce.last.at("time"));
+  EXPECT_NEAR(at("impulse", "grains", 'z'), expected, 1e-9 * expected);
+  EXPECT_NEAR(at("angular_impulse", "grains", 'x'), 0.01 * expected, 1e-4 * expected);
+  EXPECT_NEAR(at("angular_impulse", "grains", 'y'), -0.16 * expected, 1e-4 * expected);
+  // In a window of several steps the nodes move by some 1e-6 m while its one force acts.
+  const double moved = bounce.dem == 1 && bounce.fem == 1 ? 1e-12 : 1e-5;  // [m]
+  for (const char axis : {'x', 'y', 'z'}) {
+    EXPECT_NEAR(at("impulse", "bodies", axis), -at("impulse", "grains", axis), 1e-9 * expected) << axis;
+    EXPECT_NEAR(at("angular_impulse", "bodies", axis), -at("angular_impulse", "grains", axis), moved * expected)
+        << axis;
+  }
 }
 
 TEST(Ratios, EitherSideMayBeTheFiner) {
@@ -104,6 +138,7 @@ TEST(Ratios, EitherSideMayBeTheFiner) {
   for (const Bounce& one : {equal, fine_grains, fine_solids}) {
     EXPECT_LE(one.momentum_error, 1e-12);
     EXPECT_LE(one.energy_error, 0.01);
+    expect_impulses_of(one);
     fmt::print("{} : {}  rebound {:.6f} m/s, energy error {:.2g}, momentum error {:.2g}\n", one.dem, one.fem,
                one.rebound, one.energy_error, one.momentum_error);
   }

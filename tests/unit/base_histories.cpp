@@ -92,6 +92,31 @@ TEST(Histories, TableFromTwoColumnFile) {
   std::filesystem::remove(file);
 }
 
+TEST(Histories, FormulaOfTime) {
+  const auto formula = [](const char* expression, double zero = 0) {
+    return make({{"kind", text("formula")}, {"expression", text(expression)}, {"value", text("2 kN")}}, zero);
+  };
+  const auto sine = formula("sin(2 * pi * 8 * t)", 0.5);
+  EXPECT_NEAR(sine->value(0.5 + 1.0 / 32), 2000, 1e-9);  // a quarter of 8 Hz
+  EXPECT_NEAR(sine->value(0.5 + 1.0 / 96), 1000, 1e-9);  // 30 degrees
+  const auto haversine = formula("t < 0.5 ? 0.5 * (1 - cos(2 * pi * t)) : 1");
+  EXPECT_NEAR(haversine->value(0.25), 1000, 1e-9);
+  EXPECT_EQ(haversine->value(7), 2000);
+  const auto pole = formula("1 / (t - 1)");
+  EXPECT_EQ(pole->value(3), 1000);
+  try {
+    pole->value(1);
+    FAIL() << "infinite, and nobody minds";
+  } catch (const base::UserError& error) {
+    EXPECT_NE(std::string(error.what()).find("\"1 / (t - 1)\"; is no finite number at t = 1 s"), std::string::npos)
+        << error.what();
+  }
+  for (const char* wrong : {"sin(x)", "2 *", "", "sin(t"}) {
+    const auto message = error_of({{"kind", text("formula")}, {"expression", text(wrong)}, {"value", number(1)}});
+    EXPECT_NE(message.find("must be an expression of t: "), std::string::npos) << wrong << ": " << message;
+  }
+}
+
 // Irazabal2017 eq. 7.13: Q k_eq / K = 168732 * 33.58 / 75 = 75 546.94 N above a lone axle, half of it per rail seat.
 // The 73 882 N printed in 7.16 would fail here.
 TEST(Histories, LoneAxleGivesHalfOf75547NewtonPerSeat) {
@@ -126,9 +151,9 @@ TEST(Histories, AxlesStartFromExactlyZeroWithTheRamp) {
 
 TEST(Histories, Messages) {
   EXPECT_EQ(error_of({{"kind", text("stp")}, {"value", number(1)}}),
-            "history.kind = \"stp\"; must be one of: constant, step, ramp, table, axles; did you mean \"step\"?");
+            "history.kind = \"stp\"; must be one of: constant, step, ramp, table, formula, axles; did you mean \"step\"?");
   EXPECT_EQ(error_of({{"kind", text("axles")}}, "Pa"),
-            "history.kind = \"axles\"; must be one of: constant, step, ramp, table");
+            "history.kind = \"axles\"; must be one of: constant, step, ramp, table, formula");
   EXPECT_EQ(error_of({{"kind", text("table")}}), "x.toml:3: history; has no points; give times and values, or file");
   EXPECT_NE(error_of({{"kind", text("table")}, {"times", list({0, 0})}, {"values", list({1, 2})}})
                 .find("must be above the one before"),

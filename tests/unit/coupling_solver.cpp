@@ -30,6 +30,8 @@ std::string solver(const std::string& keys) { return "[fem]\n" + keys + "\n"; }
 TEST_F(SceneFile, ExplicitUnlessToldOtherwise) {
   EXPECT_EQ(read(while_ + beam).solver.kind, fem::Solver::explicit_steps);
   EXPECT_TRUE(read(solver("start = \"equilibrium\"") + while_ + beam).solver.start_in_equilibrium);
+  EXPECT_EQ(read(while_ + beam).solver.step_bound, fem::StepBound::mesh);
+  EXPECT_EQ(read(solver("step_bound = \"elements\"") + while_ + beam).solver.step_bound, fem::StepBound::elements);
 }
 
 TEST_F(SceneFile, SolverKeysAreRead) {

@@ -34,6 +34,23 @@ INSTANTIATE_TEST_SUITE_P(Fem, StableStepOfCubes,
                          testing::Values(Cube{"hex8", 1, 0.84486}, Cube{"hex8", 4, 0.99216}, Cube{"tet4", 1, 0.64900},
                                          Cube{"tet4", 4, 0.66533}));
 
+// The bound by the worst element alone: that of the cube's one cell, whatever the mesh (FEM reference: 0.84486 and
+// 0.52525 h / c_p; 1.008674e-5 and 6.241588e-6 s for the cantilever).
+TEST(StableStep, BoundByElements) {
+  const auto limit = [](const char* element, const fem_test::BoxSize& size) {
+    auto body = fem_test::box(element, size);
+    if (size.length > 2) body.supports = {{"x_min", {true, true, true}, ""}};
+    fem::Setup setup{{body}, {}};
+    setup.solver.step_bound = fem::StepBound::elements;
+    return fem::Model::create(MPI_COMM_SELF, setup)->stable_step().limit;
+  };
+  const double h = 0.25 / fem_test::compression_wave_speed();
+  EXPECT_NEAR(limit("hex8", {1, 1, 1, 4, 4, 4}), 0.84486 * h, 1e-5 * h);
+  EXPECT_NEAR(limit("tet4", {1, 1, 1, 4, 4, 4}), 0.52525 * h, 1e-5 * h);
+  EXPECT_NEAR(limit("hex8", {2.4, 0.25, 0.22, 48, 4, 4}), 1.008674e-5, 1e-11);
+  EXPECT_NEAR(limit("tet4", {2.4, 0.25, 0.22, 48, 4, 4}), 6.241588e-6, 1e-11);
+}
+
 struct StableStepOfElements : testing::TestWithParam<std::string> {};
 
 // Every element against its own largest eigenvalue on the same free cube (3 x 3 x 3), by 400 power iterations on M^-1 K
