@@ -16,7 +16,7 @@
 namespace coupling {
 
 /// Raise it whenever columns change their meaning.
-constexpr int checkpoint_format = 2;
+constexpr int checkpoint_format = 3;
 
 /// All of `part` into `all`, under the group's name; and back.
 void add_group(base::Columns& all, const std::string& group, base::Columns part);
