@@ -45,7 +45,7 @@ void broadcast(base::Skin& skin, int root, MPI_Comm communicator) {
   MPI_Bcast(skin.face_of.data(), sizes[4], MPI_INT, root, communicator);
 }
 
-std::string part_column(int part) { return "exchange/part_" + std::to_string(part); }
+std::string part_column(int part) { return "exchange_of_part_" + std::to_string(part); }
 
 }  // namespace
 
