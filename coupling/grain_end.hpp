@@ -31,7 +31,7 @@ struct WindowReport {
 
 /// What has passed between a part and each FEM rank.
 struct PairTraffic {
-  std::vector<int> nodes;     // in the last window
+  std::vector<int> nodes;     // that they share now
   std::vector<double> bytes;  // in all windows, both ways
 };
 

@@ -90,7 +90,7 @@ Json steps_json(std::span<const PackingStep> steps) {
   return list;
 }
 
-/// What the last window has moved between each pair of ranks, and all windows together.
+/// The nodes that each pair of ranks shares at the end, and what has passed between the two.
 Json exchange_json(const Summary& run) {
   Json pairs = Json::array();
   for (std::size_t part = 0; part < run.traffic.size(); ++part)
