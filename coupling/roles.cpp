@@ -106,6 +106,7 @@ Roles::Roles(MPI_Comm all, const Scene& scene, const RankWishes& wishes) {
   split(!is_worker, world);
   split(has_grains, dem);
   split(is_fem, fem);
+  split(coupled, joint);
   if (!is_worker) {
     MPI_Comm_rank(world, &rank);
     MPI_Comm_size(world, &size);
@@ -121,7 +122,7 @@ Roles::Roles(MPI_Comm all, const Scene& scene, const RankWishes& wishes) {
 }
 
 Roles::~Roles() {
-  for (MPI_Comm* part : {&fem, &dem, &world})
+  for (MPI_Comm* part : {&joint, &fem, &dem, &world})
     if (*part != MPI_COMM_NULL) MPI_Comm_free(part);
 }
 

@@ -30,6 +30,7 @@ class Roles {
   MPI_Comm world = MPI_COMM_NULL;                          // the crew, the DEM rank first; MPI_COMM_NULL for workers
   MPI_Comm dem = MPI_COMM_NULL;                            // ranks with grains; MPI_COMM_NULL elsewhere
   MPI_Comm fem = MPI_COMM_NULL;                            // ranks with finite elements; MPI_COMM_NULL elsewhere
+  MPI_Comm joint = MPI_COMM_NULL;                          // all ranks of a coupled scene, those with grains first
   int rank = -1, size = 0;                                 // in the crew
   bool is_dem = false, is_fem = false, is_worker = false;  // is_dem: the first rank with grains
   bool coupled = false;                                    // both kinds exist

@@ -19,8 +19,8 @@ struct HistoryTable {
   const std::vector<double>& time() const { return columns.front().values; }
 };
 
-/// Rows that end with their line. Throws base::UserError with file:line when one does not fit the header or a cell is no
-/// number.
+/// Rows that end with their line. Throws base::UserError with file:line when one does not fit the header or a cell is
+/// no number.
 HistoryTable read_history(const std::filesystem::path& csv);
 
 /// One instant of a .pvd collection.

@@ -205,12 +205,18 @@ bool RunLoop::fem_begin() {
 bool RunLoop::dem_window() {
   auto& grains = *setup_.grains;
   const Window& w = setup_.window;
-  if (setup_.exchange && !setup_.exchange->receive_skins(grains, setup_.skin_walls)) return false;
-  failure_ = timed(dem_seconds_, [&] { grains.advance(w.n_dem, w.dt_dem); });
-  const bool failed = failure_.kind != Failure::none;
-  if (setup_.exchange && (!failed || setup_.roles->size > 1))
-    setup_.exchange->send_impulses(grains, setup_.skin_walls, failed);
-  return !failed;
+  Exchange* exchange = setup_.exchange.get();
+  if (!exchange) {
+    if (failure_.kind == Failure::none) failure_ = timed(dem_seconds_, [&] { grains.advance(w.n_dem, w.dt_dem); });
+    return failure_.kind == Failure::none;
+  }
+  bool alive = true;
+  const FailureText before = failure_;
+  dem_seconds_ += exchange->seconds() + exchange->seconds_waited();
+  failure_ = timed(dem_seconds_, [&] { alive = exchange->window(w.n_dem, w.dt_dem, before.kind != Failure::none); });
+  dem_seconds_ -= exchange->seconds() + exchange->seconds_waited();
+  if (before.kind != Failure::none) failure_ = before;
+  return alive && failure_.kind == Failure::none;
 }
 
 bool RunLoop::fem_end() {
@@ -343,8 +349,12 @@ void RunLoop::advance_to_next_instant(const Stage& stage) {
   if (stage.ramp_stiffness) instant = std::min(instant, time_ + 16 * setup_.window.dt_dem);
   if (steered) instant = std::min(instant, time_ + 32 * setup_.window.dt_dem);
   setup_.aim_at(instant - time_);
-  if (stage.ramp_stiffness && (alone || place_.windows % 16 == 0)) ramp((time_ - place_.first) / stage.duration);
-  if (setup_.grains && steered) load_walls();
+  const FailureText failed = caught([&] {
+    if (stage.ramp_stiffness && (alone || place_.windows % 16 == 0)) ramp((time_ - place_.first) / stage.duration);
+    if (setup_.grains && steered) load_walls();
+  });
+  // Told to the other side with this window's messages, as is what failed at the end of the last one.
+  if (failure_.kind == Failure::none) failure_ = failed;
   if (!step_window()) raise({Failure::internal, ""});
 }
 
@@ -445,6 +455,8 @@ void RunLoop::close_summary() {
     summary_.seconds["exchange"] = setup_.exchange->seconds();
     summary_.seconds["waiting"] = setup_.exchange->seconds_waited();
     summary_.momentum_error = setup_.exchange->momentum_error();
+    for (const auto& skin : setup_.skins) summary_.skin_nodes += static_cast<std::int64_t>(skin.nodes.size());
+    if (setup_.grains) summary_.traffic = setup_.exchange->traffic();
   }
   summary_.seconds["output"] = output_seconds_;
 }

@@ -78,7 +78,8 @@ Setup::Setup(MPI_Comm all, const RunOptions& options_) : options(options_) {
   agree(all, [&] { require_one_run(all, scene, options); });
   agree(all, [&] { roles = std::make_unique<Roles>(all, scene, options.ranks); });
   if (roles->is_worker) return;
-  if (roles->is_dem && roles->dem_ranks > 1) slabs = std::make_unique<SlabCrew>(roles->dem);
+  if (roles->is_dem && roles->dem_ranks > 1)
+    slabs = std::make_unique<SlabCrew>(roles->dem, dem::Simulation::create, roles->joint);
   const MPI_Comm world = roles->world;
   agree(world, [&] {
     if (!roles->is_fem) return;
@@ -155,6 +156,7 @@ int Setup::add_mesh_wall(const WallScene& wall) {
 void Setup::add_walls() {
   for (const auto& skin : skins)
     skin_walls.push_back(grains->add_mesh(skin, scene.grains->body_material.at(skin.body), false));
+  if (exchange) exchange->join(*grains, slabs ? static_cast<SlabSimulation*>(grains.get()) : nullptr, skin_walls);
   for (const auto& wall : scene.grains->walls) {
     if (wall.packing_only) {
       named_walls.push_back(-1);

@@ -11,37 +11,10 @@
 
 namespace coupling {
 
-/// What the grains have passed to a mesh in one advance(): to the nodes that got something, and on the grains' side.
-struct MeshImpulse {
-  std::vector<int> node;
-  std::vector<dem::Vec3> impulse;  // [N s]
-  dem::Vec3 on_grains;             // [N s]
-};
-template <>
-struct Members<MeshImpulse> {
-  static auto tie(auto& value) {
-    auto& [node, impulse, on_grains] = value;
-    return std::tie(node, impulse, on_grains);
-  }
-};
-
-/// dem::Simulation::advance, and what it has done to these meshes of so many nodes: one answer in each window.
-inline std::vector<MeshImpulse> advance_over(dem::Simulation& part, int n, double dt, std::span<const int> meshes,
-                                             std::span<const int> nodes) {
-  part.advance(n, dt);
-  std::vector<MeshImpulse> impulses(meshes.size());
-  std::vector<dem::Vec3> whole;
-  for (std::size_t k = 0; k < meshes.size(); ++k) {
-    whole.assign(static_cast<std::size_t>(nodes[k]), {});
-    part.nodal_impulse(meshes[k], whole);
-    for (int node = 0; node < nodes[k]; ++node) {
-      const dem::Vec3& impulse = whole[static_cast<std::size_t>(node)];
-      if (base::norm2(impulse) == 0) continue;
-      impulses[k].node.push_back(node);
-      impulses[k].impulse.push_back(impulse);
-    }
-    impulses[k].on_grains = part.wall_impulse_on_grains(meshes[k]);
-  }
+/// dem::Simulation::nodal_impulse, of a mesh of so many nodes.
+inline std::vector<dem::Vec3> nodal_impulses(dem::Simulation& part, int wall, int nodes) {
+  std::vector<dem::Vec3> impulses(static_cast<std::size_t>(nodes));
+  part.nodal_impulse(wall, impulses);
   return impulses;
 }
 
@@ -108,10 +81,10 @@ using SlabCalls =
     CallTable<&Sim::add_shape, &Sim::add_grains, &Sim::remove_grains, &Sim::grains, &Sim::spheres, &Sim::set_grains,
               &Sim::scale_grains, &Sim::set_material, &Sim::set_interaction, &Sim::set_gravity, &Sim::set_grain_damping,
               &Sim::add_plane, &Sim::add_mesh, &Sim::remove_wall, &Sim::set_wall_velocity, &Sim::set_wall_body,
-              &Sim::set_wall_load, &Sim::set_mesh_target, &Sim::node_springs, &Sim::wall_impulse_on_grains,
-              &advance_over, &Sim::stable_step, &Sim::contact_stable_step, &Sim::time, &Sim::save, &Sim::restore,
-              &Sim::restore_parts, &Sim::energy, &Sim::reset_energy, &Sim::grain_contacts, &Sim::wall_contacts,
-              &Sim::counts>;
+              &Sim::set_wall_load, &Sim::set_mesh_target, &Sim::know_mesh_nodes, &Sim::keep_within, &Sim::reach,
+              &nodal_impulses, &Sim::node_springs, &Sim::wall_impulse_on_grains, &Sim::advance, &Sim::stable_step,
+              &Sim::contact_stable_step, &Sim::time, &Sim::save, &Sim::restore, &Sim::restore_parts, &Sim::energy,
+              &Sim::reset_energy, &Sim::grain_contacts, &Sim::wall_contacts, &Sim::counts>;
 
 /// The number of a call in an order; what concerns no simulation's own calls comes after them.
 template <auto call>
@@ -119,6 +92,19 @@ constexpr int order_of() {
   static_assert(SlabCalls::number<call>() < SlabCalls::size, "the call has no row in SlabCalls");
   return SlabCalls::number<call>();
 }
-enum SlabOrder : int { create_slab = SlabCalls::size, destroy_slab, use_threads, several, one_for_each, leave };
+enum SlabOrder : int {
+  create_slab = SlabCalls::size,
+  destroy_slab,
+  use_threads,
+  join_bodies,
+  exchange_window,
+  exchange_traffic,
+  save_end,
+  restore_end,
+  clear_mail,
+  several,
+  one_for_each,
+  leave
+};
 
 }  // namespace coupling

@@ -1,18 +1,17 @@
 #pragma once
 // The parts of a simulation as the ranks of a communicator: what dem::Company asks for, by MPI.
-#include <mpi.h>
-
+#include "coupling/slab_mail.hpp"
 #include "dem/company.hpp"
 
 namespace coupling {
 
 class SlabCompany : public dem::Company {
  public:
-  /// Part r is rank r of `ranks`, which must outlive this and carry no other messages while parts work.
-  SlabCompany(MPI_Comm ranks, bool ring);
+  /// Part r is rank r of the mail's communicator.
+  SlabCompany(SlabMail& mail, bool ring) : mail_(mail), ring_(ring) {}
 
-  int part() const override { return part_; }
-  int parts() const override { return parts_; }
+  int part() const override { return mail_.rank(); }
+  int parts() const override { return mail_.ranks(); }
   bool ring() const override { return ring_; }
   void largest(std::span<double>) override;
   void sum(std::span<double>) override;
@@ -20,11 +19,11 @@ class SlabCompany : public dem::Company {
   void swap_known(const std::array<Letter, 2>& out, std::array<Letter, 2>& in) override;
 
  private:
-  int neighbour(Side) const;
+  int neighbour(Side side) const { return mail_.beside(side == above ? 1 : -1); }
 
-  MPI_Comm ranks_;
-  int part_ = 0, parts_ = 1;
+  SlabMail& mail_;
   bool ring_;
+  std::vector<double> theirs_;
 };
 
 }  // namespace coupling

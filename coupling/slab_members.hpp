@@ -1,7 +1,8 @@
 #pragma once
-// Members of the structs that calls of a dem::Simulation take and give, for bytes.hpp. Structured bindings name all of
+// Members of the structs that orders to DEM parts take and give, for bytes.hpp. Structured bindings name all of
 // them: one that is added to a struct and forgotten here does not compile.
 #include "coupling/bytes.hpp"
+#include "coupling/grain_end.hpp"
 #include "dem/dem.hpp"
 
 namespace coupling {
@@ -39,6 +40,22 @@ struct Members<base::Skin> {
   static auto tie(auto& value) {
     auto& [body, nodes, facets, faces, face_of] = value;
     return std::tie(body, nodes, facets, faces, face_of);
+  }
+};
+
+template <>
+struct Members<Interface> {
+  static auto tie(auto& value) {
+    auto& [skins, owned, settings] = value;
+    return std::tie(skins, owned, settings);
+  }
+};
+
+template <>
+struct Members<PairTraffic> {
+  static auto tie(auto& value) {
+    auto& [nodes, bytes] = value;
+    return std::tie(nodes, bytes);
   }
 };
 

@@ -19,12 +19,14 @@ bool tells_cause(const FailureText& failure) {
 
 }  // namespace
 
-SlabBench::SlabBench(MPI_Comm dem_ranks, MakeGrains make) : make_(std::move(make)) {
+SlabBench::SlabBench(MPI_Comm dem_ranks, MakeGrains make, MPI_Comm joint) : joint_(joint), make_(std::move(make)) {
   MPI_Comm_dup(dem_ranks, &between_parts_);
+  mail_ = std::make_unique<SlabMail>(between_parts_);
 }
 
 SlabBench::~SlabBench() {
   parts_.clear();
+  mail_.reset();
   MPI_Comm_free(&between_parts_);
 }
 
@@ -32,6 +34,7 @@ Bytes SlabBench::perform(const Bytes& order) {
   ByteReader reader(order);
   ByteWriter result;
   const FailureText failure = caught([&] { perform(reader, result); });
+  if (failure.kind != Failure::none) mail_->give_up();  // others may be waiting for this part
   ByteWriter answer(failure.kind, failure.text);
   if (failure.kind == Failure::none) answer.append(result.bytes());
   return answer.take();
@@ -44,7 +47,7 @@ void SlabBench::perform(ByteReader& order, ByteWriter& answer) {
   } else if (call == create_slab) {
     auto setup = order.get<dem::Setup>();
     const auto backend = order.get<dem::Backend>();
-    Part made{std::make_unique<SlabCompany>(between_parts_, setup.periods[0].length > 0), nullptr};
+    Part made{std::make_unique<SlabCompany>(*mail_, setup.periods[0].length > 0), nullptr, nullptr};
     setup.company = made.company.get();
     made.grains = make_(setup, backend);
     parts_[simulation] = std::move(made);
@@ -52,21 +55,54 @@ void SlabBench::perform(ByteReader& order, ByteWriter& answer) {
     parts_.erase(simulation);
   } else if (call == use_threads) {
     dem::set_threads(order.get<int>());
+  } else if (call == clear_mail) {
+    mail_->clear();
   } else if (call == several) {
+    FailureText failure;
     for (const Bytes& one : order.get<std::vector<Bytes>>()) {
       ByteReader next(one);
-      perform(next, answer);
+      if (failure.kind == Failure::none)
+        failure = caught([&] { perform(next, answer); });
+      else
+        refuse(next);
     }
+    raise(failure);
+  } else {
+    perform_exchange(call, parts_.at(simulation), order, answer);
   }
   base::require_internal(order.empty(), "an order to a DEM rank is longer than its call");
 }
 
-void serve_slabs(MPI_Comm dem_ranks, const MakeGrains& make) {
+/// An order that nothing can come of any more: bodies that wait for their impulses are told so.
+void SlabBench::refuse(ByteReader& order) {
+  const int call = order.get<int>(), simulation = order.get<int>();
+  if (call != exchange_window) return;
+  Part& part = parts_.at(simulation);
+  static_cast<void>(caught([&] { part.end->window(*part.grains, {.refused = true}); }));
+}
+
+/// The part's end of the exchange with the bodies.
+void SlabBench::perform_exchange(int call, Part& part, ByteReader& order, ByteWriter& answer) {
+  if (call == join_bodies) {
+    auto is = order.get<Interface>();
+    part.end = std::make_unique<GrainEnd>(std::move(is), joint_, mail_->ranks(), order.get<std::vector<int>>());
+  } else if (call == exchange_window) {
+    answer.put(part.end->window(*part.grains, order.get<WindowOrder>()));
+  } else if (call == exchange_traffic) {
+    answer.put(part.end->traffic());
+  } else if (call == save_end) {
+    answer.put(part.end->save());
+  } else if (call == restore_end) {
+    part.end->restore(order.get<std::vector<double>>());
+  }
+}
+
+void serve_slabs(MPI_Comm dem_ranks, const MakeGrains& make, MPI_Comm joint) {
   // A signal that goes to all ranks is for the leading ones to act on.
   const InterruptWatch ends;
   const CheckpointWatch checkpoints;
   SlabPost post(dem_ranks);
-  SlabBench bench(dem_ranks, make);
+  SlabBench bench(dem_ranks, make, joint);
   for (;;) {
     Bytes order = post.next_order();
     const int what = ByteReader(order).get<int>();
@@ -76,7 +112,8 @@ void serve_slabs(MPI_Comm dem_ranks, const MakeGrains& make) {
   }
 }
 
-SlabCrew::SlabCrew(MPI_Comm dem_ranks, const MakeGrains& make) : post_(dem_ranks), bench_(dem_ranks, make) {}
+SlabCrew::SlabCrew(MPI_Comm dem_ranks, const MakeGrains& make, MPI_Comm joint)
+    : post_(dem_ranks), bench_(dem_ranks, make, joint) {}
 
 SlabCrew::~SlabCrew() { post_.give(ByteWriter(leave, 0).bytes()); }
 
@@ -118,11 +155,21 @@ std::vector<ByteReader> SlabCrew::collect(const Bytes& own_order) {
     reader.get(failure.kind);
     reader.get(failure.text);
   }
+  const auto failed = [](const FailureText& failure) { return failure.kind != Failure::none; };
+  if (std::ranges::any_of(failures, failed)) stop(failures);
+  return readers;
+}
+
+/// Throws for all, once nothing that failed parts have left behind is on its way.
+void SlabCrew::stop(const std::vector<FailureText>& failures) {
+  const Bytes order = ByteWriter(clear_mail, 0).take();
+  post_.give(order);
+  post_.collect(bench_.perform(order));
   auto worst = std::ranges::find_if(failures, tells_cause);
   if (worst == failures.end())
     worst = std::ranges::find_if(failures, [](const auto& failure) { return failure.kind != Failure::none; });
-  if (worst != failures.end()) raise(*worst);
-  return readers;
+  raise(*worst);
+  throw base::InternalError("a failure of a DEM rank without a kind");
 }
 
 }  // namespace coupling

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "coupling/agree.hpp"
 #include "coupling/make_grains.hpp"
 #include "coupling/slab_calls.hpp"
 #include "coupling/slab_company.hpp"
@@ -18,7 +19,7 @@ namespace coupling {
 /// The parts that this rank holds, by the numbers of their simulations.
 class SlabBench {
  public:
-  SlabBench(MPI_Comm dem_ranks, MakeGrains);
+  SlabBench(MPI_Comm dem_ranks, MakeGrains, MPI_Comm joint);
   ~SlabBench();
   SlabBench(const SlabBench&) = delete;
   SlabBench& operator=(const SlabBench&) = delete;
@@ -31,21 +32,26 @@ class SlabBench {
   struct Part {
     std::unique_ptr<SlabCompany> company;
     std::unique_ptr<dem::Simulation> grains;
+    std::unique_ptr<GrainEnd> end;  // of the exchange with bodies
   };
   void perform(ByteReader& order, ByteWriter& answer);
+  void refuse(ByteReader& order);
+  void perform_exchange(int call, Part&, ByteReader& order, ByteWriter& answer);
 
-  MPI_Comm between_parts_ = MPI_COMM_NULL;
+  MPI_Comm between_parts_ = MPI_COMM_NULL, joint_ = MPI_COMM_NULL;
+  std::unique_ptr<SlabMail> mail_;
   MakeGrains make_;
   std::map<int, Part> parts_;
 };
 
-/// The life of a DEM rank that does not lead. Returns when the first one's SlabCrew is gone.
-void serve_slabs(MPI_Comm dem_ranks, const MakeGrains& = dem::Simulation::create);
+/// The life of a DEM rank that does not lead. `joint`: all DEM ranks and then those of the bodies, if there are any.
+/// Returns when the first one's SlabCrew is gone.
+void serve_slabs(MPI_Comm dem_ranks, const MakeGrains& = dem::Simulation::create, MPI_Comm joint = MPI_COMM_NULL);
 
 /// The DEM ranks as the first of them sees them. Must outlive the simulations that it makes.
 class SlabCrew {
  public:
-  explicit SlabCrew(MPI_Comm dem_ranks, const MakeGrains& = dem::Simulation::create);
+  explicit SlabCrew(MPI_Comm dem_ranks, const MakeGrains& = dem::Simulation::create, MPI_Comm joint = MPI_COMM_NULL);
   ~SlabCrew();
   SlabCrew(const SlabCrew&) = delete;
   SlabCrew& operator=(const SlabCrew&) = delete;
@@ -67,6 +73,7 @@ class SlabCrew {
 
  private:
   std::vector<ByteReader> collect(const Bytes& own_order);
+  [[noreturn]] void stop(const std::vector<FailureText>&);
 
   SlabPost post_;
   SlabBench bench_;

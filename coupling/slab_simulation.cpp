@@ -112,22 +112,31 @@ void SlabSimulation::set_wall_load(int wall, dem::Vec3 force, dem::Vec3 torque) 
 }
 void SlabSimulation::set_mesh_target(int wall, std::span<const dem::Vec3> positions,
                                      std::span<const dem::Vec3> velocities, dem::MeshWay way) {
-  if (std::ranges::find(meshes_, wall) == meshes_.end()) {
-    meshes_.push_back(wall);
-    nodes_.push_back(static_cast<int>(positions.size()));
-    impulses_.clear();
-  }
   later<&Sim::set_mesh_target>(wall, positions, velocities, way);
 }
 
+void SlabSimulation::know_mesh_nodes(int wall, std::span<const int> nodes, std::span<const int> fresh,
+                                     std::span<const dem::Vec3> positions, std::span<const dem::Vec3> velocities) {
+  later<&Sim::know_mesh_nodes>(wall, nodes, fresh, positions, velocities);
+}
+void SlabSimulation::keep_within(double low, double high) { later<&Sim::keep_within>(low, high); }
+
+dem::Reach SlabSimulation::reach() const {
+  const auto parts = all<&Sim::reach>();
+  dem::Reach whole = parts[0];
+  for (const dem::Reach& part : parts) {
+    whole.low = std::min(whole.low, part.low);
+    whole.high = std::max(whole.high, part.high);
+    whole.grain = std::max(whole.grain, part.grain);
+    whole.speed = std::max(whole.speed, part.speed);
+  }
+  return whole;
+}
+
 void SlabSimulation::nodal_impulse(int wall, std::span<dem::Vec3> impulse) const {
-  const auto mesh = static_cast<std::size_t>(std::ranges::find(meshes_, wall) - meshes_.begin());
-  base::require_internal(mesh < meshes_.size() && impulse.size() == static_cast<std::size_t>(nodes_[mesh]),
-                         "impulse of another mesh");
   std::ranges::fill(impulse, dem::Vec3{});
-  for (const auto& part : impulses_)
-    for (std::size_t k = 0; k < part[mesh].node.size(); ++k)
-      impulse[static_cast<std::size_t>(part[mesh].node[k])] += part[mesh].impulse[k];
+  for (const auto& part : all<&nodal_impulses>(wall, static_cast<int>(impulse.size())))
+    for (std::size_t node = 0; node < impulse.size(); ++node) impulse[node] += part[node];
 }
 
 std::vector<dem::NodeSpring> SlabSimulation::node_springs(int wall) const {
@@ -144,17 +153,11 @@ std::vector<dem::NodeSpring> SlabSimulation::node_springs(int wall) const {
 
 dem::Vec3 SlabSimulation::wall_impulse_on_grains(int wall) const {
   dem::Vec3 sum;
-  if (const auto mesh = std::ranges::find(meshes_, wall); mesh != meshes_.end() && !impulses_.empty()) {
-    for (const auto& part : impulses_) sum += part[static_cast<std::size_t>(mesh - meshes_.begin())].on_grains;
-    return sum;
-  }
   for (const dem::Vec3& part : all<&Sim::wall_impulse_on_grains>(wall)) sum += part;
   return sum;
 }
 
-void SlabSimulation::advance(int n, double dt) {
-  impulses_ = all<&advance_over>(n, dt, std::span<const int>(meshes_), std::span<const int>(nodes_));
-}
+void SlabSimulation::advance(int n, double dt) { all<&Sim::advance>(n, dt); }
 dem::StableStep SlabSimulation::stable_step() const { return shortest(all<&Sim::stable_step>()); }
 
 dem::StableStep SlabSimulation::contact_stable_step() const { return shortest(all<&Sim::contact_stable_step>()); }
@@ -202,6 +205,28 @@ dem::Counts SlabSimulation::counts() const {
     sum.bytes += more.bytes;
   }
   return sum;
+}
+
+template <class R, class... A>
+std::vector<R> SlabSimulation::from_ends(SlabOrder what, const A&... arguments) const {
+  std::vector<R> results;
+  for (ByteReader& answer : crew_.order(ByteWriter(what, number_, arguments...).bytes()))
+    results.push_back(answer.get<R>());
+  return results;
+}
+
+void SlabSimulation::join_bodies(const Interface& is, const std::vector<int>& walls) {
+  crew_.order(ByteWriter(coupling::join_bodies, number_, is, walls).bytes());
+}
+std::vector<WindowReport> SlabSimulation::window(const WindowOrder& order) {
+  return from_ends<WindowReport>(exchange_window, order);
+}
+std::vector<PairTraffic> SlabSimulation::traffic() const { return from_ends<PairTraffic>(exchange_traffic); }
+std::vector<std::vector<double>> SlabSimulation::save_ends() const { return from_ends<std::vector<double>>(save_end); }
+void SlabSimulation::restore_ends(const std::vector<std::vector<double>>& ends) {
+  std::vector<Bytes> orders;
+  for (const auto& end : ends) orders.push_back(ByteWriter(restore_end, number_, end).take());
+  crew_.order_each(orders);
 }
 
 }  // namespace coupling

@@ -1,8 +1,8 @@
 #pragma once
 // A simulation whose grains are shared out over the DEM ranks, as the first of them uses it: every call goes to all
 // parts, and what they measure is put together. Sums are taken in the order of the ranks.
-// Where it differs from one that holds all grains: bonds are refused. In a window one order goes out, with the meshes'
-// targets and the steps, and one answer comes back, with what the nodes got.
+// Where it differs from one that holds all grains: bonds are refused. In a coupled window one order goes out and one
+// answer comes back; what passes between grains and bodies goes straight from each part to each of the bodies' ranks.
 #include <string>
 
 #include "coupling/slab_server.hpp"
@@ -47,6 +47,10 @@ class SlabSimulation : public dem::Simulation {
   dem::Vec3 wall_velocity(int wall) const override { return own().wall_velocity(wall); }
   void set_mesh_target(int wall, std::span<const dem::Vec3> positions, std::span<const dem::Vec3> velocities,
                        dem::MeshWay) override;
+  void know_mesh_nodes(int wall, std::span<const int> nodes, std::span<const int> fresh,
+                       std::span<const dem::Vec3> positions, std::span<const dem::Vec3> velocities) override;
+  void keep_within(double low, double high) override;
+  dem::Reach reach() const override;
   void nodal_impulse(int wall, std::span<dem::Vec3> impulse) const override;
   std::vector<dem::NodeSpring> node_springs(int wall) const override;
   dem::Vec3 wall_impulse_on_grains(int wall) const override;
@@ -67,6 +71,13 @@ class SlabSimulation : public dem::Simulation {
   dem::Counts counts() const override;
   dem::Backend backend() const override { return own().backend(); }
 
+  // ---- the exchange with bodies, by parts (coupling/grain_end.hpp)
+  void join_bodies(const Interface&, const std::vector<int>& walls);
+  std::vector<WindowReport> window(const WindowOrder&);
+  std::vector<PairTraffic> traffic() const;
+  std::vector<std::vector<double>> save_ends() const;
+  void restore_ends(const std::vector<std::vector<double>>&);
+
  private:
   template <auto call, class... A>
   auto all(const A&... arguments) const;
@@ -74,12 +85,12 @@ class SlabSimulation : public dem::Simulation {
   void later(const A&... arguments);
   template <auto call, class... A>
   auto joined(const A&... arguments) const;
+  template <class R, class... A>
+  std::vector<R> from_ends(SlabOrder, const A&... arguments) const;
   const dem::Simulation& own() const;
 
   SlabCrew& crew_;
   int number_;
-  std::vector<int> meshes_, nodes_;                 // that have had a target, and how many nodes they have
-  std::vector<std::vector<MeshImpulse>> impulses_;  // of the last advance(), by part
 };
 
 }  // namespace coupling

@@ -90,6 +90,18 @@ Json steps_json(std::span<const PackingStep> steps) {
   return list;
 }
 
+/// The nodes that each pair of ranks shares at the end, and what has passed between the two.
+Json exchange_json(const Summary& run) {
+  Json pairs = Json::array();
+  for (std::size_t part = 0; part < run.traffic.size(); ++part)
+    for (std::size_t rank = 0; rank < run.traffic[part].nodes.size(); ++rank)
+      pairs.push_back({{"dem_rank", part},
+                       {"fem_rank", rank},
+                       {"nodes", run.traffic[part].nodes[rank]},
+                       {"bytes", run.traffic[part].bytes[rank]}});
+  return {{"skin_nodes", run.skin_nodes}, {"pairs", pairs}};
+}
+
 }  // namespace
 
 std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
@@ -140,6 +152,7 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
   if (run.dem_bytes > 0) json["dem_bytes"] = run.dem_bytes;
   if (run.measured) json["energy"] = energy_json(run.ledger);
   json["momentum_error"] = number(run.momentum_error);
+  if (!run.traffic.empty()) json["exchange"] = exchange_json(run);
   if (!run.modes.empty()) json["modes"] = modes_json(run.modes);
   json["results"] = results_json(outcomes);
   return json.dump(2) + "\n";

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "coupling/grain_end.hpp"
 #include "coupling/ledger.hpp"
 #include "coupling/packing.hpp"
 #include "coupling/results.hpp"
@@ -29,7 +30,9 @@ struct Summary {
   std::string coupling_limiter, window_limiter;  // of the live contacts: DEM step, and window
   std::map<std::string, double> seconds;         // dem, fem, exchange, waiting, output [s]
   double momentum_error = 0;
-  bool measured = false;  // the ledger covers something
+  std::int64_t skin_nodes = 0;       // of coupled scenes
+  std::vector<PairTraffic> traffic;  // by DEM ranks, in this life of the run
+  bool measured = false;             // the ledger covers something
   Ledger ledger;
   double porosity = 0, coordination = 0;  // of the packing
   double porosity_asked = 0, packing_friction = 0;

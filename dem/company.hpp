@@ -14,8 +14,8 @@
 namespace dem {
 
 /// The parts of one simulation as one of them sees them, from 0 at small x upwards. Every call but part() and parts()
-/// is collective: all parts make the same calls in the same order. A call that cannot be done ends the program: what
-/// is lost cannot be worked out by one part alone.
+/// is collective: all parts make the same calls in the same order. Where another part has given up, a call throws
+/// base::UnstableError: what is lost cannot be worked out by one part alone.
 class Company {
  public:
   enum Side { below, above };

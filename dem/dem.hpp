@@ -175,6 +175,14 @@ struct NodeSpring {
   double stiffness = 0, damping = 0;  // [N/m], [N s/m]
 };
 
+/// Where along x spheres may be until the lists are made anew, and right after that: those that are here, and (in
+/// company, or where space repeats itself) those that may come over.
+struct Reach {
+  double low = 0, high = 0;  // [m] with half the largest grain and the skin to spare; low > high: no grains
+  double grain = 0;          // [m] reach of the largest grain
+  double speed = 0;          // [m/s] of the fastest sphere, when the lists were made
+};
+
 class Simulation {
  public:
   static std::unique_ptr<Simulation> create(const Setup&, Backend);
@@ -230,6 +238,16 @@ class Simulation {
   /// Nodes of a mesh move, over the next advance(), from where they are to these positions (MeshWay).
   virtual void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities,
                                MeshWay = MeshWay::line) = 0;
+  /// From now on targets are true for these nodes of a mesh only; at the start all are. The others rest, and no grain
+  /// finds the facets and faces that have one of them: keep grains away with keep_within(). fresh: those of `nodes`
+  /// that were not known before, with where they are now and how fast. Not of a wall that has been removed.
+  virtual void know_mesh_nodes(int wall, std::span<const int> nodes, std::span<const int> fresh,
+                               std::span<const Vec3> positions, std::span<const Vec3> velocities) = 0;
+  /// No sphere may come beyond [low, high] along x [m] in the advances to come: one that could before lists are made
+  /// anew ends them (base::UnstableError). Of this part.
+  virtual void keep_within(double low, double high) = 0;
+  /// As of the last advance(); of this part.
+  virtual Reach reach() const = 0;
   /// Nodal impulse [N s] that the grains passed to the mesh during the last advance(): sum over its steps of
   /// (nodal force at the step's end) × dt, the contact force carried to the nodes by the shape functions of the
   /// facet, or of the face of the second order that it is a part of.

@@ -88,7 +88,10 @@ struct Ghosts {
   std::array<Vector<int>, 2> sent;       // rows whose ghosts the neighbours have
   std::array<Vector<double>, 2> packed;  // rows on their way out, in
   std::array<Company::Letter, 2> out, in;
-  std::vector<double> cuts;   // [m] between the parts, rising; empty: no grains so far
+  std::vector<double> cuts;  // [m] between the parts, rising; empty: no grains so far
+  /// That hold from the next advance() on; empty: the same. So that it is known between two advances which grains the
+  /// next one can bring here.
+  std::vector<double> next_cuts;
   double work = 0;            // of this part when its lists were made: spheres and pairs looked at
   double imbalance = 1;       // largest over mean work of all parts
   std::vector<int> material;  // of `keys`

@@ -52,6 +52,10 @@ class System final : public Simulation {
   Vec3 wall_velocity(int wall) const override;
   void set_mesh_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities,
                        MeshWay way) override;
+  void know_mesh_nodes(int wall, std::span<const int> nodes, std::span<const int> fresh,
+                       std::span<const Vec3> positions, std::span<const Vec3> velocities) override;
+  void keep_within(double low, double high) override { limits_ = {low, high}; }
+  Reach reach() const override;
   void nodal_impulse(int wall, std::span<Vec3> impulse) const override;
   Vec3 wall_impulse_on_grains(int wall) const override;
 
@@ -93,6 +97,7 @@ class System final : public Simulation {
   void rebuild(double share);
   void adapt_skin();
   void relist(double moved, double share);
+  void note_reach(const Box& own);
   void evaluate(const kernels::Interval&, double ended);
   template <class Visit>
   void with_scene_law(const Visit&) const;
@@ -129,7 +134,7 @@ class System final : public Simulation {
   void drop_ghosts();
   void migrate();
   void balance();
-  void cut_anew();
+  std::vector<double> new_cuts();
   void list_keys();
   double pass_on();
   void write_leaving(const std::vector<int>& side, std::array<Company::Letter, 2>& out);
@@ -201,6 +206,9 @@ class System final : public Simulation {
   double tight_ = 0, tight_share_ = 0.01;  // of the list that the step runs over; without a sweep the same as the skin
   double travelled_ = 0;  // [m] bound of what any grain has moved from the skin list's build to the tight list's
   Radii radii_;
+  static constexpr Reach nowhere{.low = HUGE_VAL, .high = -HUGE_VAL};
+  Reach reach_ = nowhere;                              // of the spheres here when the lists were made
+  std::array<double, 2> limits_{-HUGE_VAL, HUGE_VAL};  // [m] keep_within()
   double time_ = 0, last_dt_ = 0;
   double last_ahead_ = 0;  // [s] that the histories are ahead of this instant
   std::int64_t steps_ = 0, rebuilds_ = 0, last_rebuild_ = 0, last_tight_ = 0;

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "dem/core/system_bodies.hpp"
+#include "dem/core/system_reach.hpp"
 #include "dem/core/system_slabs.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
@@ -12,6 +13,7 @@ inline void System::advance(int n, double dt) {
   [[maybe_unused]] const ThreadsFor threads(grains_.size());
   node_impulse_current_ = false;
   walls_.begin_advance(n * dt);
+  if (!ghosts_.next_cuts.empty()) ghosts_.cuts = std::exchange(ghosts_.next_cuts, {});
   clear(near_walls_.impulse);
   clear(near_walls_.nodal);
   last_dt_ = dt;
@@ -148,6 +150,7 @@ inline void System::rebuild(double share) {
     if (in_company()) migrate();
     const int n = grains_.size();
     const Box box = reduce(n, BoxOf{pointer(grains_.place)}, Box{}, JoinBoxes{});
+    note_reach(box);
     const CellGrid grid = make_grid(box, 2 * radii_.largest + skin_, n);
     Vector<int> bucket, bucket_start;
     sort(grid, bucket);
@@ -191,6 +194,7 @@ inline void System::rebuild(double share) {
     recall();
     if (in_company()) count_work();
   } else {
+    reach_ = nowhere;
     pairs_ = {};
     images_ = {};
     ghosts_.first = 0;

@@ -303,4 +303,11 @@ inline void System::set_mesh_target(int wall, std::span<const Vec3> positions, s
   if (walls_.set_target(wall, positions, velocities, way)) list_is_stale_ = true;
 }
 
+inline void System::know_mesh_nodes(int wall, std::span<const int> nodes, std::span<const int> fresh,
+                                    std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+  require_wall(wall);
+  walls_.know(wall, nodes, fresh, positions, velocities);
+  list_is_stale_ = true;
+}
+
 }  // namespace dem::TRACKBED_DEM_SYSTEM

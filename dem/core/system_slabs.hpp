@@ -112,12 +112,12 @@ inline void System::reference_gravity(bool referenced) {
 inline void System::balance() {
   constexpr double tolerated = 1.1;
   constexpr int rarely = 16;  // of the rebuilds
-  if (rebuilds_ % rarely == 0 && ghosts_.imbalance > tolerated && !ghosts_.cuts.empty()) cut_anew();
+  if (rebuilds_ % rarely == 0 && ghosts_.imbalance > tolerated && !ghosts_.cuts.empty()) ghosts_.next_cuts = new_cuts();
 }
 
-/// Where this part's work was counted with its lists, it lies alike on all its spheres. The old cuts stay where grains
-/// have become too few for others.
-inline void System::cut_anew() {
+/// Where this part's work was counted with its lists, it lies alike on all its spheres. The old cuts where grains have
+/// become too few for others.
+inline std::vector<double> System::new_cuts() {
   ghosts_.imbalance = 1;
   const auto place = download(grains_.place);
   const int n = grains_.size();
@@ -137,8 +137,8 @@ inline void System::cut_anew() {
   for (int g = 0; g < n; ++g) work.add(place[g].position.x + ring_.return_path(place[g].position).x, each);
   setup_.company->sum(work.bins);
   const auto cuts = slab_cuts(work, setup_.company->parts(), least_slab(ends[2], skin_));
-  if (!cuts.empty()) ghosts_.cuts = cuts;
-  if (ghosts_.cuts.empty()) refuse_slabs(work.high - work.low, least_slab(ends[2], skin_), ends[2]);
+  if (cuts.empty() && ghosts_.cuts.empty()) refuse_slabs(work.high - work.low, least_slab(ends[2], skin_), ends[2]);
+  return cuts.empty() ? ghosts_.cuts : cuts;
 }
 
 /// Hands grains that lie in other slabs one part on, and takes such from the neighbours. Returns how many have farther

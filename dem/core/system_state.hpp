@@ -80,6 +80,7 @@ void walk_ghosts(Self& ghosts, Walk& walk) {
   walk.rows("ghosts/sent_below", ghosts.sent[0]);
   walk.rows("ghosts/sent_above", ghosts.sent[1]);
   walk.rows("ghosts/cuts", ghosts.cuts);
+  walk.rows("ghosts/next_cuts", ghosts.next_cuts);
   walk.rows("ghosts/material", ghosts.material);
   if constexpr (Walk::loads) {
     ghosts.keys.clear();
@@ -145,7 +146,7 @@ void System::walk(Self& self, Walk& walk) {
   walk.numbers("clock", self.alpha_, self.time_, self.last_dt_, self.last_ahead_, self.steps_, self.rebuilds_,
                self.last_rebuild_, self.last_tight_);
   walk.numbers("lists", self.list_is_stale_, self.forces_are_stale_, self.rows_moved_, self.skin_, self.skin_share_,
-               self.tight_, self.tight_share_, self.travelled_, self.radii_, self.periods_.margin);
+               self.tight_, self.tight_share_, self.travelled_, self.radii_, self.reach_, self.periods_.margin);
   double taken_away = self.taken_away_.value_or(0);
   bool taken = self.taken_away_.has_value();
   walk.numbers("energy", self.totals_, self.gravity_reference_, self.gravity_referenced_, taken, taken_away);
@@ -247,7 +248,10 @@ inline void System::restore_parts(std::span<const base::Columns> saved) {
     sums.elastic_normal += part.sweep_sums_.elastic_normal;
     sums.elastic_shear += part.sweep_sums_.elastic_shear;
     if (k * parts / saved.size() == here) letters.push_back(part.everything());
-    if (k > 0) continue;
+    if (k > 0) {
+      walls_.learn(part.walls_);
+      continue;
+    }
     setup_.materials = part.setup_.materials;
     setup_.interactions = part.setup_.interactions;
     setup_.gravity = part.setup_.gravity;
@@ -267,7 +271,7 @@ inline void System::restore_parts(std::span<const base::Columns> saved) {
   }
   if (clumps) make_bodies();
   for (const auto& letter : letters) read_arriving(letter);
-  if (in_company()) cut_anew();
+  if (in_company()) ghosts_.cuts = new_cuts();
   list_is_stale_ = true;
   rebuild(0);
   if (here == 0) {

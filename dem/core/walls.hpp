@@ -26,6 +26,7 @@ struct HostWall {
   std::vector<Vec3> leaves{};           // [m/s] at its start, on a parabola
   std::vector<Vec3> bow{};              // [m] of a parabola, see MoveToTarget; while it is on its way
   std::vector<Vec3> listed{};           // [m] at the last list build
+  std::vector<int> unknown{};           // per node: 1 where targets are not true; empty: nowhere
   std::vector<Face> faces{};            // of the second order, by nodes of this wall
   double shift_from = 0, shift_to = 0;  // [m] farthest that it has come since the list build, at the ends of the way
   double largest_bow = 0;               // [m]
@@ -163,14 +164,8 @@ class Walls {
     w.leaves.clear();
     w.bow.clear();
     w.largest_bow = 0;
-    if (way == MeshWay::parabola) {
-      w.leaves.assign(velocities.begin(), velocities.end());
-      bow.resize(position.size());
-    }
     for (auto* v : {&from_position, &from_velocity, &to_position, &to_velocity, &node_impulse})
       v->resize(position.size());
-    thrust::copy(positions.begin(), positions.end(), to_position.begin() + w.first_node);
-    thrust::copy(velocities.begin(), velocities.end(), to_velocity.begin() + w.first_node);
     if (w.motion == WallMotion::target && !w.fresh_target)
       w.from = w.to;
     else if (!w.fresh_target) {
@@ -184,6 +179,18 @@ class Walls {
       w.rigid_shift = {};
     }
     w.to.assign(positions.begin(), positions.end());
+    std::vector<Vec3> speeds(velocities.begin(), velocities.end());
+    for (std::size_t n = 0; n < w.unknown.size(); ++n) {
+      if (!w.unknown[n]) continue;
+      w.to[n] = w.from[n];
+      speeds[n] = {};
+    }
+    thrust::copy(w.to.begin(), w.to.end(), to_position.begin() + w.first_node);
+    thrust::copy(speeds.begin(), speeds.end(), to_velocity.begin() + w.first_node);
+    if (way == MeshWay::parabola) {
+      w.leaves = std::move(speeds);
+      bow.resize(position.size());
+    }
     w.shift_from = largest_shift(w, w.from, w.listed);
     w.shift_to = largest_shift(w, w.to, w.listed);
     w.motion = WallMotion::target;
@@ -193,6 +200,45 @@ class Walls {
     rows_changed = rows_changed || first;
     mark(wall, true, true);
     return first;
+  }
+
+  /// See Simulation::know_mesh_nodes(); lists must be made anew.
+  void know(int wall, std::span<const int> nodes, std::span<const int> fresh, std::span<const Vec3> positions,
+            std::span<const Vec3> velocities) {
+    HostWall& w = walls[wall];
+    allocate_motion();
+    w.unknown.assign(w.nodes, 1);
+    for (const int node : nodes) w.unknown[node] = 0;
+    auto place = download(position), speed = download(velocity);
+    for (std::size_t k = 0; k < fresh.size(); ++k) {
+      place[w.first_node + fresh[k]] = positions[k];
+      speed[w.first_node + fresh[k]] = velocities[k];
+      if (!w.to.empty()) w.to[fresh[k]] = positions[k];
+    }
+    upload(place, position);
+    upload(speed, velocity);
+    find_live(w);
+  }
+
+  /// Takes over what the same walls of another part know and these do not.
+  void learn(const Walls& other) {
+    auto place = download(position), speed = download(velocity);
+    const auto other_place = download(other.position), other_speed = download(other.velocity);
+    for (std::size_t k = 0; k < walls.size(); ++k) {
+      HostWall& w = walls[k];
+      const HostWall& from = other.walls[k];
+      for (std::size_t n = 0; n < w.unknown.size(); ++n) {
+        if (!w.unknown[n] || (!from.unknown.empty() && from.unknown[n])) continue;
+        w.unknown[n] = 0;
+        place[w.first_node + n] = other_place[w.first_node + n];
+        speed[w.first_node + n] = other_speed[w.first_node + n];
+        for (auto list : {&HostWall::from, &HostWall::to, &HostWall::listed})
+          if (!(w.*list).empty() && !(from.*list).empty()) (w.*list)[n] = (from.*list)[n];
+      }
+      if (!w.unknown.empty()) find_live(w);
+    }
+    upload(place, position);
+    if (!speed.empty()) upload(speed, velocity);
   }
 
   /// duration: of the advance that begins [s].
@@ -342,6 +388,7 @@ class Walls {
     walk.rows(name + "/from", wall.from);
     walk.rows(name + "/to", wall.to);
     walk.rows(name + "/listed", wall.listed);
+    walk.rows(name + "/unknown", wall.unknown);
     bool body = wall.body.has_value();
     walk.numbers(name + "/has_body", body);
     if constexpr (Walk::loads) {
@@ -369,6 +416,20 @@ class Walls {
     thrust::copy(w.bow.begin(), w.bow.end(), bow.begin() + w.first_node);
     thrust::copy(w.leaves.begin(), w.leaves.end(), from_velocity.begin() + w.first_node);
     thrust::copy(arrives.begin(), arrives.end(), to_velocity.begin() + w.first_node);
+  }
+  /// Facets of a wall with nodes that are not known are found by no grain.
+  void find_live(const HostWall& w) {
+    auto all = download(facets);
+    const auto part = download(parts);
+    const auto face = download(faces);
+    const auto known = [&](const int* node, int count) {
+      return std::all_of(node, node + count, [&](int n) { return n < 0 || !w.unknown[n - w.first_node]; });
+    };
+    for (int f = w.first_facet; f < w.first_facet + w.facets; ++f) {
+      const int of = part.empty() ? -1 : part[f].face;
+      all[f].live = known(all[f].node, 4) && (of < 0 || known(face[of].node, face[of].nodes()));
+    }
+    upload(all, facets);
   }
   void allocate_motion() {
     velocity.resize(position.size());

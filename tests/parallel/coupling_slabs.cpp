@@ -12,12 +12,14 @@
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
 #include "coupling/slab_company.hpp"
+#include "coupling/slab_mail.hpp"
 #include "coupling/slab_server.hpp"
 #include "coupling/slab_simulation.hpp"
 
 namespace {
 
 using coupling::SlabCompany;
+using coupling::SlabMail;
 using dem::Vec3;
 
 int rank() {
@@ -34,7 +36,8 @@ int ranks() {
 // ---- the company
 
 TEST(SlabCompany, LargestAndSumAreTheSameOnAllParts) {
-  SlabCompany company(MPI_COMM_WORLD, false);
+  SlabMail mail(MPI_COMM_WORLD);
+  SlabCompany company(mail, false);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   std::vector<double> values{1.0 * rank(), -1.0 - rank(), rank() == 0 ? infinity : 2.0, -infinity};
   company.largest(values);
@@ -55,7 +58,8 @@ SlabCompany::Letter letter(int from, int side, std::size_t base_size) {
 }
 
 void swap_letters(bool ring, std::size_t size, bool known) {
-  SlabCompany company(MPI_COMM_WORLD, ring);
+  SlabMail mail(MPI_COMM_WORLD);
+  SlabCompany company(mail, ring);
   std::array<SlabCompany::Letter, 2> out, in, expected;
   for (const auto side : {SlabCompany::below, SlabCompany::above}) {
     if (!company.has(side)) continue;
@@ -78,10 +82,45 @@ TEST(SlabCompany, LettersReachTheNeighbours) {
 }
 
 TEST(SlabCompany, EndsHaveNoNeighbourWithoutARing) {
-  const SlabCompany line(MPI_COMM_WORLD, false), ring(MPI_COMM_WORLD, true);
+  SlabMail mail(MPI_COMM_WORLD);
+  const SlabCompany line(mail, false), ring(mail, true);
   EXPECT_EQ(line.has(SlabCompany::below), rank() > 0);
   EXPECT_EQ(line.has(SlabCompany::above), rank() + 1 < ranks());
   EXPECT_EQ(ring.has(SlabCompany::below), ranks() > 1);
+}
+
+// One part gives up before any of these, with large letters of its neighbours on their way; all others are released,
+// whatever they wait for, and afterwards the same company works as if nothing had been.
+TEST(SlabCompany, NobodyWaitsForAPartThatHasGivenUp) {
+  SlabMail mail(MPI_COMM_WORLD);
+  for (int lost = 0; lost < ranks(); ++lost)
+    for (int before = 0; before < 5; ++before) {
+      SlabCompany company(mail, true);
+      std::vector<double> values{1.0};
+      int done = 0;
+      const auto failure = coupling::caught([&] {
+        std::array<SlabCompany::Letter, 2> out{SlabCompany::Letter(3000000), SlabCompany::Letter(70)}, in;
+        const std::array<std::function<void()>, 5> calls{
+            [&] { company.largest(values); }, [&] { company.sum(values); }, [&] { company.swap(out, in); },
+            [&] { company.swap_known(out, in); }, [&] { company.largest(values); }};
+        for (; done < 5; ++done) {
+          if (rank() == lost && done == before) throw std::bad_alloc();
+          // Sizes are known from the swap before.
+          calls[static_cast<std::size_t>(done)]();
+        }
+      });
+      if (ranks() == 1) continue;
+      mail.give_up();
+      // A part may go on until it needs the one that is lost, or one that has given up for it.
+      EXPECT_GE(done, before);
+      EXPECT_EQ(failure.kind, rank() == lost ? coupling::Failure::machine : coupling::Failure::unstable);
+      mail.clear();
+      values = {1.0 * rank()};
+      company.largest(values);
+      EXPECT_EQ(values[0], ranks() - 1.0);
+      company.sum(values);
+      EXPECT_EQ(values[0], ranks() * (ranks() - 1.0));
+    }
 }
 
 // ---- parts that record
@@ -151,7 +190,9 @@ std::vector<std::string> record;  // of all recorders on this rank
 class Recorder : public dem::Simulation {
  public:
   explicit Recorder(const dem::Setup& setup)
-      : part_(setup.company ? setup.company->part() : 0), parts_(setup.company ? setup.company->parts() : 1) {
+      : company_(setup.company),
+        part_(setup.company ? setup.company->part() : 0),
+        parts_(setup.company ? setup.company->parts() : 1) {
     record.push_back("create " + text(setup));
     if (setup.skin < 0 && part_ == parts_ - 1) throw base::UserError("skin: must not be negative");
   }
@@ -211,6 +252,12 @@ class Recorder : public dem::Simulation {
                        dem::MeshWay way) override {
     note("set_mesh_target", wall, text(positions), text(velocities), static_cast<int>(way));
   }
+  void know_mesh_nodes(int wall, std::span<const int> nodes, std::span<const int> fresh,
+                       std::span<const Vec3> positions, std::span<const Vec3> velocities) override {
+    note("know_mesh_nodes", wall, text(nodes), text(fresh), text(positions), text(velocities));
+  }
+  void keep_within(double low, double high) override { note("keep_within", low, high); }
+  dem::Reach reach() const override { return {1.0 * part_, 2.0 + part_, 0.1 * (1 + part_), 5.0 - part_}; }
   void nodal_impulse(int wall, std::span<Vec3> impulse) const override {
     for (std::size_t k = 0; k < impulse.size(); ++k) impulse[k] = {1.0 * wall, static_cast<double>(k), 1.0 + part_};
   }
@@ -225,6 +272,13 @@ class Recorder : public dem::Simulation {
     if (n == 103 && part_ == 0) throw base::MachineError("the first part's own");
     if (n == 104 && last) throw std::bad_alloc();
     if (n == 105) throw base::UnstableError("stopped with another part");
+    if (n < 106 || n > 108 || parts_ == 1) return;
+    // One part alone fails, while the others wait for it.
+    if (part_ == (n == 106 ? 0 : parts_ - 1)) throw std::bad_alloc();
+    std::vector<double> values{1};
+    std::array<dem::Company::Letter, 2> out, in;
+    if (n == 108) company_->swap(out, in);
+    company_->largest(values);
   }
   double time() const override { return 0.5 + part_; }
   dem::StableStep stable_step() const override { return {1.0 / (1 + part_), fmt::format("part {}", part_)}; }
@@ -267,6 +321,7 @@ class Recorder : public dem::Simulation {
     ((line += fmt::format(" {}", arguments)), ...);
     record.push_back(line);
   }
+  dem::Company* company_;
   int part_, parts_;
 };
 
@@ -336,6 +391,9 @@ void call_all(dem::Simulation& simulation) {
   simulation.set_wall_body(5, {{1, 2, 3}, 4, {5, 6, 7}, {true, false, true}, {false, true, false}, false, 8});
   simulation.set_wall_load(6, {1, 2, 3}, {4, 5, 6});
   simulation.set_mesh_target(8, nodes, velocities, dem::MeshWay::parabola);
+  simulation.know_mesh_nodes(8, std::vector<int>{0, 2, 3}, std::vector<int>{2}, std::span(nodes).first(1),
+                             std::span(velocities).first(1));
+  simulation.keep_within(-0.5, 2.5);
   simulation.add_bonds({});
   simulation.advance(3, 1e-5);
   simulation.reset_energy();
@@ -405,6 +463,10 @@ TEST(SlabServer, AnswersArePutTogether) {
     EXPECT_EQ(springs[1].stiffness, sum);
     EXPECT_EQ(springs[1].damping, 3 * n);
     EXPECT_EQ(text(simulation.wall_impulse_on_grains(2)), text(Vec3{2 * n, n, sum}));
+    EXPECT_EQ(simulation.reach().low, 0);
+    EXPECT_EQ(simulation.reach().high, 1 + n);
+    EXPECT_EQ(simulation.reach().grain, 0.1 * n);
+    EXPECT_EQ(simulation.reach().speed, 5);
     EXPECT_EQ(simulation.stable_step().limit, 1 / n);
     EXPECT_EQ(simulation.stable_step().limiter, fmt::format("part {}", ranks() - 1));
     EXPECT_EQ(simulation.contact_stable_step().limiter, "contact of 0");
@@ -440,6 +502,8 @@ TEST(SlabServer, FailureOfAnyPartIsThrownAndTheCrewGoesOn) {
     EXPECT_EQ(thrown([&] { simulation->advance(103, 1); }), "4: the first part's own");
     EXPECT_EQ(thrown([&] { simulation->advance(104, 1); }).substr(0, 16), "4: out of memory");
     EXPECT_EQ(thrown([&] { simulation->advance(105, 1); }), "3: stopped with another part");
+    for (const int alone : {106, 107, 108})
+      EXPECT_EQ(thrown([&] { simulation->advance(alone, 1); }).substr(0, 16), ranks() > 1 ? "4: out of memory" : "0: ");
     EXPECT_EQ(thrown([&] { simulation->add_bonds(std::vector<dem::Bond>(1)); }),
               "2: bonds need one DEM rank; start with --dem-ranks 1");
     EXPECT_EQ(simulation->grains().size(), 100u * static_cast<std::size_t>(ranks()));

@@ -356,6 +356,135 @@ TEST(Slabs, StopTogether) {
   EXPECT_EQ(blamed, 1);
 }
 
+// ---- walls that a part knows near its grains only
+
+constexpr double mesh_cell = 0.02;
+
+/// A long floor in waves that runs along under the grains.
+base::Skin long_floor() {
+  base::Skin mesh;
+  for (int k = -40; k <= 160; ++k)
+    for (const double y : {-0.1, 0.5 * width, width + 0.1}) mesh.nodes.push_back({mesh_cell * k, y, 0});
+  for (int k = 0; k + 3 < static_cast<int>(mesh.nodes.size()); ++k)
+    if (k % 3 < 2) mesh.facets.push_back({k, k + 3, k + 4, k + 1});
+  return mesh;
+}
+Vec3 floor_place(const Vec3& node, double time) {
+  return {node.x + 0.5 * time, node.y, 0.001 * std::sin(20 * node.x + 300 * time)};
+}
+Vec3 floor_velocity(const Vec3& node, double time) { return {0.5, 0, 0.3 * std::cos(20 * node.x + 300 * time)}; }
+
+/// What a part has been told of the floor: all of it, or the nodes of the cells that reach into an interval.
+struct Knowledge {
+  double low = -1e9, high = 1e9;
+  std::vector<int> known = std::vector<int>(long_floor().nodes.size(), 1);
+  int changes = 0;
+
+  void renew(dem::Simulation& sim, int wall, const base::Skin& mesh, double time) {
+    const dem::Reach reach = sim.reach();
+    if (reach.low - low > 0.005 && high - reach.high > 0.005 && low > -1e8) return;
+    ++changes;
+    low = reach.low - 0.012;
+    high = reach.high + 0.012;
+    const auto before = known;
+    std::vector<int> nodes, fresh;
+    std::vector<Vec3> positions, velocities;
+    for (int n = 0; n < static_cast<int>(known.size()); ++n) {
+      const double x = floor_place(mesh.nodes[n], time).x;
+      known[n] = x + mesh_cell > low && x - mesh_cell < high;
+      if (!known[n]) continue;
+      nodes.push_back(n);
+      if (before[n]) continue;
+      fresh.push_back(n);
+      positions.push_back(floor_place(mesh.nodes[n], time));
+      velocities.push_back(floor_velocity(mesh.nodes[n], time));
+    }
+    sim.know_mesh_nodes(wall, nodes, fresh, positions, velocities);
+    sim.keep_within(low, high);
+  }
+};
+
+/// `least`: how often the part must have been told of other nodes; 0: it knows all.
+Outcome run_on_floor(const Case& c, Company* company, int least) {
+  Track made;
+  dem::set_threads(1);
+  dem::Setup setup;
+  setup.company = company;
+  setup.materials = {{"stone", 1e7, 0.2, 2700}, {"wall", 1e8, 0.2, 0}};
+  setup.interactions.assign(4, dem::Interaction{0.6, 0.5, 0.0});
+  setup.gravity = {0, 0, -9.81};
+  setup.lanes = c.lanes;
+  made.sim = dem::Simulation::create(setup, dem::Backend::omp);
+  auto& sim = *made.sim;
+  sim.add_plane({{0, 0, 0}, {0, 1, 0}}, 1);
+  sim.add_plane({{0, width, 0}, {0, -1, 0}}, 1);
+  const base::Skin mesh = long_floor();
+  made.floor = sim.add_mesh(mesh, 1, false);
+  sim.add_grains(bed(c));
+  Knowledge knowledge;
+  constexpr int windows = 160, steps = 5;
+  for (int w = 0; w < windows; ++w) {
+    const double start = w * steps * dt, end = (w + 1) * steps * dt;
+    if (least > 0 && w > 0) knowledge.renew(sim, made.floor, mesh, start);
+    std::vector<Vec3> positions, velocities;
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+      const Vec3 nowhere{NAN, NAN, NAN};
+      positions.push_back(knowledge.known[n] ? floor_place(mesh.nodes[n], end) : nowhere);
+      velocities.push_back(knowledge.known[n] ? floor_velocity(mesh.nodes[n], end) : nowhere);
+    }
+    sim.set_mesh_target(made.floor, positions, velocities, dem::MeshWay::line);
+    try {
+      sim.advance(steps, dt);
+    } catch (const base::UnstableError& error) {
+      Outcome failed;
+      failed.error = error.what();
+      return failed;
+    }
+  }
+  EXPECT_GE(knowledge.changes, least);
+  return look(made);
+}
+
+TEST(Slabs, KnowTheWallsNearThemOnly) {
+  for (const int lanes : {0, 1}) {
+    const Case c{.drift = 3, .lanes = lanes};
+    const Outcome whole = run_on_floor(c, nullptr, 0);
+    ASSERT_EQ(whole.error, "");
+    EXPECT_GT(std::abs(whole.energy.work_interface), 1);  // [J]
+    for (const int parts : {1, 2, 3}) {
+      SCOPED_TRACE(std::to_string(parts) + " parts");
+      std::vector<Outcome> outcomes(parts);
+      // Parts at the ends follow their grains; all parts, where they are cut anew.
+      in_parts(parts, c, [&](int part, Company* company) { outcomes[part] = run_on_floor(c, company, 2); });
+      expect_whole(c, whole, outcomes, 1e-8);
+    }
+  }
+}
+
+TEST(Slabs, StopWhereGrainsComeBeyondTheWallsThatAreKnown) {
+  for (const int parts : {1, 3}) {
+    std::vector<std::string> errors(parts);
+    const Case c{.drift = 3};
+    in_parts(parts, c, [&](int part, Company* company) {
+      const Track made = track(c, company);
+      made.sim->add_grains(bed(c));
+      made.sim->advance(1, dt);
+      // The last part's grains have 5 mm left, which they go in 2 ms.
+      const dem::Reach reach = made.sim->reach();
+      made.sim->keep_within(-1, part == parts - 1 ? reach.high + 0.005 : 10);
+      try {
+        made.sim->advance(1000, dt);
+      } catch (const base::UnstableError& error) {
+        errors[part] = error.what();
+      }
+    });
+    for (int part = 0; part < parts; ++part)
+      EXPECT_NE(errors[part].find(part == parts - 1 ? "beyond the walls known here" : "stopped with another part"),
+                std::string::npos)
+          << errors[part];
+  }
+}
+
 TEST(Slabs, TooThinAreRefused) {
   std::vector<std::string> errors(30);
   in_parts(30, {}, [&](int part, Company* company) {

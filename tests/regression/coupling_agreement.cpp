@@ -13,6 +13,7 @@
 #include <cmath>
 #include <map>
 
+#include "tests/regression/restart_scenes.hpp"
 #include "tests/regression/run_helper.hpp"
 
 namespace {
@@ -99,6 +100,46 @@ TEST(Agreement, RanksAndThreadsGiveTheSamePhysics) {
     EXPECT_EQ(summary(out)["grains"], summary(scratch() / "alone")["grains"]) << name;
     EXPECT_LE(summary(out)["momentum_error"].get<double>(), 1e-12) << name;
     expect_equal(one, last_state(out, mean_radius), mean_radius, name);
+  }
+}
+
+// A heap travels 0.9 m along a strip, which is farther than it is long and many times what a part is told of beyond its
+// grains: every part must be told of other nodes again and again, and of no more than it needs. A node that came late
+// or from the wrong place would throw grains up; one that is not told any more and still touched would too.
+TEST(Agreement, GrainsThatTravelOverTheSkinOfAllSlabs) {
+  const fs::path file = write_scene("travelling", travelling_scene());
+  const auto travel = [&](const std::string& name, const Layout& by) {
+    const fs::path out = scratch() / ("travelling_" + name);
+    const auto finished =
+        trackbed(fmt::format("run '{}' --out '{}' --threads 1 --dem-ranks {}", file.string(), out.string(), by.dem),
+                 by.fem > 0 ? by.dem + by.fem : 0);
+    EXPECT_EQ(finished.status, 0) << finished.output;
+    return out;
+  };
+  double mean_radius = 0;
+  const State one = last_state(travel("alone", {}), mean_radius);
+  ASSERT_EQ(one.size(), 48u);
+  EXPECT_GT(one.begin()->second.position[0], 0.1 + 0.8);
+  for (const Layout& by : {Layout{1, 1}, {2, 1}, {2, 2}, {3, 1}}) {
+    const std::string name = fmt::format("dem_{}_fem_{}", by.dem, by.fem);
+    const fs::path out = travel(name, by);
+    const auto json = summary(out);
+    EXPECT_LE(json["momentum_error"].get<double>(), 1e-12) << name;
+    expect_equal(one, last_state(out, mean_radius), mean_radius, name);
+    // The heap covers 0.6 m of 3.2 m, a part of it and what it is told of beyond less than 0.8 m.
+    const int skin_nodes = json["exchange"]["skin_nodes"];
+    EXPECT_EQ(skin_nodes, 65 * 3);
+    const auto& pairs = json["exchange"]["pairs"];
+    ASSERT_EQ(pairs.size(), static_cast<std::size_t>(by.dem * by.fem));
+    std::vector<int> of_part(static_cast<std::size_t>(by.dem));
+    for (const auto& pair : pairs) {
+      of_part[pair["dem_rank"].get<std::size_t>()] += pair["nodes"].get<int>();
+      EXPECT_GT(pair["bytes"].get<double>(), 0);
+    }
+    for (const int nodes : of_part) {
+      EXPECT_GT(nodes, skin_nodes / 20) << name;
+      EXPECT_LT(nodes, skin_nodes * (by.dem == 1 ? 1.0 : 0.8) / 3.2) << name;
+    }
   }
 }
 

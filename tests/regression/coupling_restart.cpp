@@ -18,15 +18,6 @@ namespace {
 
 using namespace regression;
 
-fs::path write_scene(const std::string& name, std::string text) {
-  const std::string word = "SOURCE";
-  for (auto at = text.find(word); at != std::string::npos; at = text.find(word))
-    text.replace(at, word.size(), TRACKBED_SOURCE_FOLDER);
-  const fs::path file = scratch() / (name + ".toml");
-  std::ofstream(file) << text;
-  return file;
-}
-
 Finished run(const fs::path& scene, const fs::path& out, const std::string& more, int ranks = 0) {
   return trackbed(fmt::format("run '{}' --out '{}' --threads 1 {}", scene.string(), out.string(), more), ranks);
 }
@@ -98,6 +89,11 @@ TEST(Restart, SlabsOnThreeRanks) {
   expect_restart_repeats("slabs", coupled_scene(), "4 ms", "0.0195", 3, {}, " --dem-ranks 2");
 }
 
+// Grains leave the skin nodes that their part knows, and it is told of others, before the cut and after it.
+TEST(Restart, SlabsThatTravelOnThreeRanks) {
+  expect_restart_repeats("travelling", travelling_scene(), "31 ms", "0.1", 3, {"loss_friction"}, " --dem-ranks 2");
+}
+
 // Impulses that wait for their window, skins on parabolas, and Newmark's steps under grains.
 TEST(Restart, ConcurrentOnOneRank) {
   const std::string late = "[coupling]\nscheme = \"concurrent\"\nskin_motion = \"quadratic\"\nn_fem = 3\n";
@@ -153,6 +149,9 @@ TEST(Restart, OnAnotherNumberOfRanks) {
        {Case{"coupled_ranks", "4 ms", "0.0195", coupled_scene(), 2, 3, "", ""},
         Case{"more_slabs", "4 ms", "0.0195", coupled_scene(), 2, 4, "", three},
         Case{"fewer_slabs", "4 ms", "0.0195", coupled_scene(), 3, 0, two, ""},
+        Case{"travelling_ranks", "31 ms", "0.1", travelling_scene(), 3, 4, two, three},
+        Case{"travelling_together", "31 ms", "0.1", travelling_scene(), 3, 0, two, ""},
+        Case{"travelling_apart", "31 ms", "0.1", travelling_scene(), 2, 3, "", two},
         Case{"beams_ranks", "30 ms", "0.11", remembering_beams(), 3, 2, "", ""}}) {
     const fs::path scene = write_scene(name, text), out = scratch() / (std::string(name) + "_first");
     const fs::path whole = scratch() / (std::string(name) + "_whole"),

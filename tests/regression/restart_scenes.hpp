@@ -240,6 +240,56 @@ probe_interval = "0.5 ms"
 )";
 }
 
+/// A heap of spheres that slides at 6 m/s over a long strip: past where all of its parts have begun.
+inline std::string travelling_scene() {
+  std::string text = R"(title = "travelling"
+[grains]
+material = { young_modulus = "100 MPa", poisson_ratio = 0.2, density = 2700 }
+friction = 0.1
+restitution = 0.5
+)";
+  for (int k = 0; k < 48; ++k)
+    text += fmt::format("[[grain]]\nposition = [{}, {}, {}]\nradius = 0.02\nvelocity = [6.0, 0.0, 0.0]\n",
+                        0.1 + 0.045 * (k % 12) + 0.003 * (k / 24), -0.024 + 0.048 * (k / 12 % 2) + 0.001 * (k % 3),
+                        0.0451 + 0.041 * (k / 24));
+  return text + R"(
+[[body]]
+name = "strip"
+mesh = "SOURCE/meshes/box.geo"
+mesh_parameters = { length = 3.2, width = 0.2, height = 0.05, cells_x = 64, cells_y = 2, cells_z = 1 }
+element = "hex8"
+skin = ["z_max"]
+[[body.material]]
+group = "solid"
+young_modulus = "50 MPa"
+poisson_ratio = 0.2
+density = "2000 kg/m3"
+[[body.support]]
+group = "z_min"
+fix = ["x", "y", "z"]
+[[stage]]
+name = "travel"
+duration = "0.15 s"
+measure = true
+[[probe]]
+name = "place"
+kind = "grain_position"
+grain = 5
+component = "x"
+[[probe]]
+name = "on_strip"
+kind = "contact_force"
+body = "strip"
+component = "z"
+[[result]]
+name = "place"
+probe = "place"
+[output]
+interval = "50 ms"
+probe_interval = "2 ms"
+)";
+}
+
 inline std::string long_grains_scene() {
   std::string text = grains_scene();
   const std::string end = "duration = \"60 ms\"";

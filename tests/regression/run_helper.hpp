@@ -54,6 +54,16 @@ inline std::string scene(const std::string& name) {
   return "'" + std::string(TRACKBED_SOURCE_FOLDER) + "/configs/" + name + "'";
 }
 
+/// A scene file; SOURCE in its text stands for the source folder.
+inline fs::path write_scene(const std::string& name, std::string text) {
+  const std::string word = "SOURCE";
+  for (auto at = text.find(word); at != std::string::npos; at = text.find(word))
+    text.replace(at, word.size(), TRACKBED_SOURCE_FOLDER);
+  const fs::path file = scratch() / (name + ".toml");
+  std::ofstream(file) << text;
+  return file;
+}
+
 inline nlohmann::json summary(const fs::path& run) { return nlohmann::json::parse(slurp(run / "summary.json")); }
 
 }  // namespace regression
