@@ -114,15 +114,7 @@ void Setup::choose_backend() {
   const bool usable = dem::cuda_available(&why_not);
   base::require_user(options.backend != "cuda" || usable,
                      fmt::format("--backend cuda: not usable here ({}); use --backend auto or omp", why_not));
-  const bool mixed = scene.grains->precision == dem::Precision::mixed;
-  base::require_user(
-      options.backend != "cuda" || !mixed,
-      fmt::format("{}: grains.precision = \"mixed\" is for the processor's cores, not for --backend cuda; "
-                  "use --backend auto or omp, or precision = \"double\"",
-                  scene.file.string()));
-  backend = usable && !mixed && options.backend != "omp" ? dem::Backend::cuda : dem::Backend::omp;
-  if (usable && mixed && options.backend == "auto")
-    spdlog::info("grains.precision = \"mixed\": grains run on the processor's cores, not on the GPU");
+  backend = usable && options.backend != "omp" ? dem::Backend::cuda : dem::Backend::omp;
   if (dem::cuda_built() && !usable && options.backend == "auto")
     spdlog::info("no usable GPU ({}): grains run on the processor's cores", why_not);
   threads = sensible_threads(options.threads, expected_grains(*scene.grains), *roles, true);

@@ -40,6 +40,7 @@
 namespace dem::TRACKBED_DEM_SYSTEM {
 
 using base::Vec3;
+using base::Vector3;
 
 #if defined(TRACKBED_DEM_CUDA)
 template <class T>

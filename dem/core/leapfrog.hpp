@@ -121,27 +121,28 @@ struct SummedForces {
   TRACKBED_HD void add(int, Pull&) const {}
 };
 
-/// Sums the forces of a grain's contacts in a fixed order.
+/// Sums the forces of a grain's contacts in a fixed order, in double.
+template <class Real>
 struct GatheredForces {
   const Place* place;
   const int *own_start, *other_start, *other;  // contacts in which the grain is i: a range; is j: listed in `other`
-  const PairForce* pair_force;
-  const Vec3* couple;  // null: none
+  const PairForce<Real>* pair_force;
+  const Vector3<Real>* couple;  // null: none
 
   TRACKBED_HD void add(int g, Pull& p) const {
     const double radius = place[g].radius;
     for (int c = own_start[g]; c < own_start[g + 1]; ++c) {
-      const PairForce& f = pair_force[c];
-      p.force += f.force;
-      p.torque -= (radius - f.half_overlap) * f.moment;
-      if (couple) p.torque += couple[c];
+      const PairForce<Real>& f = pair_force[c];
+      p.force += as<double>(f.force);
+      p.torque -= (radius - f.half_overlap) * as<double>(f.moment);
+      if (couple) p.torque += as<double>(couple[c]);
       p.rolling += f.rolling;
     }
     for (int k = other_start[g]; k < other_start[g + 1]; ++k) {
-      const PairForce& f = pair_force[other[k]];
-      p.force -= f.force;
-      p.torque -= (radius - f.half_overlap) * f.moment;
-      if (couple) p.torque -= couple[other[k]];
+      const PairForce<Real>& f = pair_force[other[k]];
+      p.force -= as<double>(f.force);
+      p.torque -= (radius - f.half_overlap) * as<double>(f.moment);
+      if (couple) p.torque -= as<double>(couple[other[k]]);
       p.rolling += f.rolling;
     }
   }

@@ -180,6 +180,7 @@ inline void System::rebuild(double share) {
                             .parameters = pointer(grain_parameters_),
                             .couples = couples_,
                             .ledger = setup_.track_energy,
+                            .precision = setup_.precision,
                             .images = images_.rows()});
     }
     if (walls_.any())
@@ -317,18 +318,19 @@ void System::with_scene_law(const Visit& visit) const {
     visit.template operator()<kernels::HertzMindlin>();
 }
 
-template <class Law>
-ContactPass<Law> contact_pass(const Grains& grains, PairColumns& pairs, const kernels::PairParameters* parameters,
-                              int* unstable, double maximum_overlap, const kernels::Interval& time) {
+template <class Law, class Real>
+ContactPass<Law, Real> contact_pass(const Grains& grains, PairColumns& pairs, const kernels::PairParameters* parameters,
+                                    int* unstable, double maximum_overlap, const kernels::Interval& time) {
+  auto& numbers = pairs.numbers<Real>();
   return {.geometry = {pointer(grains.place), grains.motions()},
           .first = pointer(pairs.first),
           .second = pairs.second_row.empty() ? pointer(pairs.second) : pointer(pairs.second_row),
           .pair = pointer(pairs.pair),
           .parameters = parameters,
-          .history = pointer(pairs.history),
+          .history = pointer(numbers.history),
           .history_stride = pairs.history_stride,
-          .result = pointer(pairs.result),
-          .couple = pointer(pairs.couple),
+          .result = pointer(numbers.result),
+          .couple = pointer(numbers.couple),
           .ledger = pointer(pairs.ledger),
           .unstable = unstable,
           .maximum_overlap = maximum_overlap,
@@ -401,8 +403,10 @@ inline void System::evaluate(const kernels::Interval& time, double ended) {
 #if !defined(TRACKBED_DEM_CUDA)
     if (sweeps()) return sweep_pairs(time, walls);
 #endif
-    launch(pairs_.size(), contact_pass<Law>(grains_, pairs_, pointer(grain_parameters_), pointer(trouble_),
-                                            setup_.maximum_overlap, time));
+    with_numbers(setup_.precision, [&]<class Real>() {
+      launch(pairs_.size(), contact_pass<Law, Real>(grains_, pairs_, pointer(grain_parameters_), pointer(trouble_),
+                                                    setup_.maximum_overlap, time));
+    });
     launch(near_walls_.near_grains(), walls);
   });
   if (bonds_.any())
@@ -433,10 +437,14 @@ inline double System::leap(const Phase& phase, double dt) {
   if (bodies_.any() && sweeps()) return leap_bodies(integrator, SummedForces{}, phase);
   if (sweeps()) return reduce(n, Leapfrog<SummedForces>{integrator, {}, listed, phase}, 0.0, thrust::maximum<double>());
 #endif
-  const GatheredForces forces{pointer(grains_.place), pointer(pairs_.own_start), pointer(pairs_.other_start),
-                              pointer(pairs_.other),  pointer(pairs_.result),    pointer(pairs_.couple)};
-  if (bodies_.any()) return leap_bodies(integrator, forces, phase);
-  return reduce(n, Leapfrog<GatheredForces>{integrator, forces, listed, phase}, 0.0, thrust::maximum<double>());
+  return with_numbers(setup_.precision, [&]<class Real>() {
+    const auto& numbers = pairs_.numbers<Real>();
+    const GatheredForces<Real> forces{pointer(grains_.place), pointer(pairs_.own_start), pointer(pairs_.other_start),
+                                      pointer(pairs_.other),  pointer(numbers.result),   pointer(numbers.couple)};
+    if (bodies_.any()) return leap_bodies(integrator, forces, phase);
+    const Leapfrog<GatheredForces<Real>> leap{integrator, forces, listed, phase};
+    return reduce(n, leap, 0.0, thrust::maximum<double>());
+  });
 }
 
 /// Finds the grain to blame and says where it is. Called once, at the end of a run.
@@ -455,10 +463,11 @@ inline void System::stop_unstable(int trouble, double dt) const {
     std::snprintf(text, sizeof text, format, value);
   };
   if (trouble == overlap_too_large) {
-    each_contact([&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3&, const Vec3&) {
-      const double smaller = std::fmin(place[i].radius, place[j].radius);
-      accuse(i, meeting.touch.overlap / smaller, "overlap with another grain is %.3g of the smaller radius");
-    });
+    each_contact(
+        [&](int i, int j, const Meeting<double>& meeting, const kernels::PairParameters&, const Vec3&, const Vec3&) {
+          const double smaller = std::fmin(place[i].radius, place[j].radius);
+          accuse(i, meeting.touch.overlap / smaller, "overlap with another grain is %.3g of the smaller radius");
+        });
     const auto grain = download(near_walls_.grain), start = download(near_walls_.start);
     const auto state = download(near_walls_.state);
     for (std::size_t w = 0; w < grain.size(); ++w)

@@ -193,7 +193,7 @@ void System::each_contact(Visit&& visit) const {
   const PairGeometry geometry{place.data(), {motion.data(), grains_.parts}};
   const int materials = static_cast<int>(setup_.materials.size());
   const auto look = [&](int i, int row, const double* kept, int numbers) {
-    Meeting meeting;
+    Meeting<double> meeting;
     if (!geometry.meet(i, row, meeting)) return;
     const int image = owner.empty() ? -1 : row - images_.first, j = image < 0 ? row : owner[image];
     double history[maximum_numbers] = {};
@@ -219,7 +219,7 @@ void System::each_pair(Visit&& visit) const {
 #endif
   const auto first = download(pairs_.first);
   const auto second = download(pairs_.second_row.empty() ? pairs_.second : pairs_.second_row);
-  const auto history = download(pairs_.history);
+  const auto history = pairs_.kept_numbers();
   for (std::size_t c = 0; c < first.size(); ++c)
     visit(first[c], second[c], history.data() + c * pairs_.history_stride, pairs_.history_stride);
 }
@@ -241,12 +241,12 @@ inline std::vector<GrainContact> System::grain_contacts() const {
   const auto place = download(grains_.place);
   const auto ids = row_ids();
   std::vector<GrainContact> contacts;
-  each_contact(
-      [&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3& force, const Vec3& period) {
-        if (is_elsewhere(i, j, ids)) return;
-        contacts.push_back(
-            {ids[i], ids[j], place[i].position, place[j].position + period, force, meeting.touch.overlap, period});
-      });
+  each_contact([&](int i, int j, const Meeting<double>& meeting, const kernels::PairParameters&, const Vec3& force,
+                   const Vec3& period) {
+    if (is_elsewhere(i, j, ids)) return;
+    contacts.push_back(
+        {ids[i], ids[j], place[i].position, place[j].position + period, force, meeting.touch.overlap, period});
+  });
   return contacts;
 }
 
@@ -276,7 +276,7 @@ inline Counts System::counts() const {
   counts.spheres = grains_.size();
   counts.wall_candidates = near_walls_.size();
   const auto ids = row_ids();
-  each_contact([&](int i, int j, const Meeting&, const kernels::PairParameters&, const Vec3&, const Vec3&) {
+  each_contact([&](int i, int j, const Meeting<double>&, const kernels::PairParameters&, const Vec3&, const Vec3&) {
     counts.contacts += !is_elsewhere(i, j, ids);
   });
   counts.candidate_pairs = pairs_.size();
@@ -406,7 +406,7 @@ inline StableStep System::contact_stable_step() const {
   };
   std::vector<GrainSpring> springs = bond_springs();
   each_contact(
-      [&](int i, int j, const Meeting& m, const kernels::PairParameters& parameters, const Vec3&, const Vec3&) {
+      [&](int i, int j, const Meeting<double>& m, const kernels::PairParameters& parameters, const Vec3&, const Vec3&) {
         auto s = spring_of(parameters, m.touch.effective_radius, m.touch.effective_mass, m.touch.overlap);
         s.normal = m.touch.normal;
         attach(s, i, -m.arm_i * s.normal);

@@ -13,10 +13,6 @@ inline System::System(const Setup& setup, Backend backend) : setup_(setup), back
   base::require_user(setup.interactions.size() == materials * materials,
                      "dem: interactions must be a square table, materials x materials");
   base::require_user(setup.skin >= 0 && setup.maximum_overlap > 0, "dem: skin and maximum overlap must be positive");
-  base::require_user(
-      setup.precision == Precision::full || sweeps(),
-      "dem: mixed precision is for the processor's vectors: not on a GPU, nor with contacts taken one by "
-      "one; use double precision there");
   for (const Period& along : setup.periods) base::require_user(along.length >= 0, "dem: a period must not be negative");
   periods_ = periods_of(setup.periods);
   join_company();

@@ -186,7 +186,7 @@ struct WallPass {
     Vec3 normal = plane ? wall.plane_normal : Vec3{0, 0, 1};
     if (length > 0) normal = (side / length) * vector;
 
-    Meeting meeting;
+    Meeting<double> meeting;
     kernels::Touch<double>& touch = meeting.touch;
     touch.overlap = overlap;
     touch.effective_radius = p.radius;
