@@ -116,7 +116,8 @@ struct LeapBodies {
   const Vec3* listed;  // positions of spheres at which the list was built
   Phase phase;
 
-  TRACKBED_FLATTEN TRACKBED_HD double operator()(int b) const {
+  TRACKBED_FLATTEN TRACKBED_HD double operator()(int b) const { return pass(b, phase); }
+  TRACKBED_HD double pass(int b, const Phase& phase) const {
     const Vec3 centre = integrator.place[b].position;
     Quad &t = integrator.state.translation(b), &r = integrator.state.rotation(b);
     kernels::RigidRotation turning{orientation[b], r.vector};
@@ -131,7 +132,7 @@ struct LeapBodies {
         p.rolling += one.rolling;
         sphere_pull.translation(s) = sphere_pull.rotation(s) = {};
       }
-      end_step(b, t, turning, p);
+      end_step(b, phase.ended, t, turning, p);
     } else {
       p = read(integrator.pull, b);
     }
@@ -167,8 +168,8 @@ struct LeapBodies {
   }
 
   /// As Integrator::end_step; leaves the acceleration and the torque (damping and rolling included) in `p`.
-  TRACKBED_HD void end_step(int b, Quad& t, kernels::RigidRotation& r, Pull& p) const {
-    const double ended = phase.ended, half = integrator.at_end * ended;
+  TRACKBED_HD void end_step(int b, double ended, Quad& t, kernels::RigidRotation& r, Pull& p) const {
+    const double half = integrator.at_end * ended;
     const double alpha = integrator.alpha, hold = 1 / (1 + alpha * half);
     const Vec3 free = t.number * p.force + integrator.gravity;
     t.vector = hold * (t.vector + half * free);

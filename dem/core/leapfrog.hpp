@@ -155,7 +155,8 @@ struct Leapfrog {
   const Vec3* listed;  // positions at which the list was built
   Phase phase;
 
-  TRACKBED_FLATTEN TRACKBED_HD double operator()(int g) const {
+  TRACKBED_FLATTEN TRACKBED_HD double operator()(int g) const { return pass(g, phase); }
+  TRACKBED_HD double pass(int g, const Phase& phase) const {
     Pull p = integrator.read(g);
     if (phase.ends) {
       forces.add(g, p);

@@ -86,26 +86,6 @@ struct SumImpulse {
   }
 };
 
-/// Force of the grains on a wall, and its torque about a point.
-struct SumWallForce {
-  const WallState* state;
-  const int *candidate, *grain_of;  // of each candidate: facet, grain
-  const Facet* facet;
-  const Place* place;
-  int wall;
-  Vec3 about;
-  TRACKBED_HD void operator()(int c, Sums<6>& s) const {
-    const WallState& t = state[c];
-    if (!(t.overlap > 0) || facet[candidate[c]].wall != wall) return;
-    const Place& p = place[grain_of[c]];
-    const Vec3 arm = p.position - (p.radius - t.overlap) * t.normal - about, torque = cross(arm, t.force);
-    for (int k = 0; k < 3; ++k) {
-      s.value[k] -= t.force[k];
-      s.value[3 + k] -= torque[k];
-    }
-  }
-};
-
 struct CountWallContacts {
   const WallState* state;
   TRACKBED_HD int operator()(int c) const { return state[c].overlap > 0 ? 1 : 0; }

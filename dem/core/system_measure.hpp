@@ -168,15 +168,11 @@ inline void System::nodal_impulse(int wall, std::span<Vec3> impulse) const {
   base::require_internal(walls_.rows_host[wall].nodal, "nodal impulses are kept for meshes with a target only");
   base::require_internal(impulse.size() == static_cast<std::size_t>(w.nodes), "impulse of another mesh");
   if (!node_impulse_current_) {
-    Vector<Vec3> total = walls_.node_impulse;
-    if (!near_walls_.nodal.empty())
-      launch(static_cast<int>(total.size()),
-             GatherNodes{pointer(near_walls_.node_start), pointer(near_walls_.node_entry), pointer(near_walls_.nodal),
-                         pointer(total)});
-    node_impulse_host_ = download(total);
-    node_impulse_current_ = true;
+    fetch_node_impulse();
+    queue_.wait();
   }
-  std::copy_n(node_impulse_host_.begin() + w.first_node, w.nodes, impulse.begin());
+  node_impulse_current_ = true;
+  std::copy_n(node_impulse_host_.data() + w.first_node, w.nodes, impulse.begin());
 }
 
 // ---- contacts
