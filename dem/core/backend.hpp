@@ -20,7 +20,6 @@
 #include <thrust/for_each.h>
 #include <thrust/functional.h>
 #include <thrust/iterator/counting_iterator.h>
-#include <thrust/reduce.h>
 #include <thrust/scan.h>
 #include <thrust/sequence.h>
 #include <thrust/sort.h>
@@ -195,22 +194,32 @@ void launch(int n, Functor functor) {
 #endif
 }
 
-template <class T, class Functor>
-struct StoreResult {
+/// One of several shares of a reduction.
+template <class T, class Functor, class Operation>
+struct ReduceShare {
   Functor functor;
-  T* result;
-  TRACKBED_HD void operator()(int index) const { result[index] = functor(index); }
+  Operation operation;
+  T start;
+  T* partial;
+  int n, shares;
+  TRACKBED_HD void operator()(int share) const {
+    T result = start;
+    for (int index = share; index < n; index += shares) result = operation(result, functor(index));
+    partial[share] = result;
+  }
 };
 
 /// Reduction of functor(index) with an operation that does not depend on the order (maximum, logical or, integer sum).
-/// On a GPU the results are stored first: the reduction's kernels would take in twenty copies of the functor each.
+/// On a GPU not by Thrust, whose kernels would take in twenty copies of the functor each, nor within a step.
 template <class T, class Functor, class Operation>
 T reduce(int n, Functor functor, T start, Operation operation) {
   if (n <= 0) return start;
 #if defined(TRACKBED_DEM_CUDA)
-  Vector<T> results(n);
-  launch(n, StoreResult<T, Functor>{functor, pointer(results)});
-  return thrust::reduce(policy(), results.begin(), results.end(), start, operation);
+  const int shares = n < 4096 ? n : 4096;
+  Vector<T> partial(shares);
+  launch(shares, ReduceShare<T, Functor, Operation>{functor, operation, start, pointer(partial), n, shares});
+  for (const T& share : download(partial)) start = operation(start, share);
+  return start;
 #else
   if (n <= serial_length) {
     for (int index = 0; index < n; ++index) start = operation(start, functor(index));

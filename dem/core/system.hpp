@@ -93,9 +93,14 @@ class System final : public Simulation {
   void advance_queued(int n, double dt);
   void start_steps(Control&);
   void look(Control&);
+  void send_free_control(double dt, int step);
   void queue_step(double dt);
+  void queue_motion(double dt, int nodes);
+  void queue_rest_of_step(double dt);
   void queue_forces(const kernels::Interval&, double ended);
-  void queue_end(double dt);
+  void queue_end(double dt, double ended);
+  template <class Launch>
+  void press_bonds(const Launch&, double ended);
   void send_nodes(NodeRows, std::span<const Vec3>, Vec3* to, int first);
   void fetch_node_impulse() const;
   // system_advance.hpp

@@ -69,6 +69,7 @@ inline void System::prepare(double dt) {
     // The histories are half a step ahead: taken back to this instant, and ahead again for the step to come.
     clear(grains_.pull);
     move_ghosts();
+    if (!sweeps()) send_free_control(dt, 1);
     evaluate({-last_ahead_, interval(dt).ahead}, 0);
     const int trouble = met_trouble();
     if (over_parts(trouble) > 0) stop_unstable(trouble, 0);
@@ -404,21 +405,24 @@ void System::sweep_pairs(const kernels::Interval& time, const Walls& walls) {
 
 /// Forces at the present positions, added to grains_.pull or left with the pairs; the step that ends took `ended`.
 inline void System::evaluate(const kernels::Interval& time, double ended) {
-  move_images();
-  with_scene_law([&]<class Law>() {
-    const auto walls = wall_pass<Law>(time, ended);
 #if !defined(TRACKBED_DEM_CUDA)
-    if (sweeps()) return sweep_pairs(time, walls);
+  if (sweeps()) {
+    move_images();
+    with_scene_law([&]<class Law>() { sweep_pairs(time, wall_pass<Law>(time, ended)); });
+    press_bonds([](int n, const auto& pass) { launch(n, pass); }, ended);
+  }
 #endif
-    launch(pairs_.size(), contact_pass<Law>(grains_, pairs_, pointer(grain_parameters_), pointer(control_)->trouble,
-                                            setup_.maximum_overlap, time));
-    launch(near_walls_.near_grains(), walls);
-  });
+  if (!sweeps()) queue_forces(time, ended);
+  last_ahead_ = time.ahead;
+}
+
+/// Each pass is started by launch(n, functor).
+template <class Launch>
+void System::press_bonds(const Launch& launch_pass, double ended) {
   if (bonds_.any())
-    bonds_.press([](int n, const auto& pass) { launch(n, pass); }, grains_,
+    bonds_.press(launch_pass, grains_,
                  bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(), bodies_.of_sphere,
                  ended, periods_);
-  last_ahead_ = time.ahead;
 }
 
 inline GatheredForces System::gathered_forces() {
@@ -447,21 +451,27 @@ void System::with_leap(double dt, const Forces& forces, const Visit& visit) {
   visit(grains_.size(), Leapfrog<Forces>{integrator, forces, pointer(grains_.listed), {}});
 }
 
-/// One pass of the integrator; returns the largest squared displacement since the list was made.
+/// One pass of the integrator, outside a window; returns the largest squared displacement since the list was made.
 inline double System::leap(const Phase& phase, double dt) {
-  double squared = 0;
-  const auto run = [&](int n, auto pass) {
-    pass.phase = phase;
-    squared = reduce(n, pass, 0.0, thrust::maximum<double>());
-  };
 #if !defined(TRACKBED_DEM_CUDA)
   if (sweeps()) {
-    with_leap(dt, SummedForces{}, run);
+    double squared = 0;
+    with_leap(dt, SummedForces{}, [&](int n, auto pass) {
+      pass.phase = phase;
+      squared = reduce(n, pass, 0.0, thrust::maximum<double>());
+    });
     return squared;
   }
 #endif
-  with_leap(dt, gathered_forces(), run);
-  return squared;
+  if (!phase.begins) {
+    queue_end(dt, phase.ended);
+    return 0;
+  }
+  send_free_control(dt, phase.ends ? 2 : 1);
+  queue_motion(dt, 0);
+  queue_.fetch(pointer(control_), control_host_.data(), 1);
+  queue_.wait();
+  return number_of(control_host_.data()->moved);
 }
 
 /// Finds the grain to blame and says where it is. Called once, at the end of a run.

@@ -24,14 +24,18 @@ inline void System::advance_queued(int n, double dt) {
   for (int begun = 0;;) {
     const int end = std::min(n, begun + steps_between_looks);
     queue_.repeat(end - begun, [&] { queue_step(dt); });
-    if (end == n) queue_end(dt);
+    if (end == n) {
+      queue_end(dt, dt);
+      if (walls_.nodal()) fetch_node_impulse();
+      node_impulse_current_ = walls_.nodal();
+    }
     look(now);
     steps_ = before + now.step;
     if (!now.finite()) stop_unstable(0, now.step * dt);
     if (now.lists_are_stale()) {
       rebuild(now.share());
       start_steps(now);
-      queue_forces(interval(dt), dt);
+      queue_rest_of_step(dt);
     } else {
       if (now.met()) stop_unstable(now.met(), now.step * dt);
       if (end == n) return;
@@ -73,15 +77,45 @@ inline void System::look(Control& control) {
   if (!driven_.empty()) walls_.read_drives(driven_host_.data());
 }
 
+/// A control block that holds nothing back, for passes outside a window.
+inline void System::send_free_control(double dt, int step) {
+  Control control;
+  control.steps = 1;
+  control.step = step;
+  control.dt = dt;
+  control.tight = HUGE_VAL;
+  *control_host_.make(1) = control;
+  queue_.send(control_host_.data(), pointer(control_), 1);
+}
+
 inline void System::queue_step(double dt) {
+  queue_.launch(1, BeginStep{pointer(control_), pointer(driven_), static_cast<int>(driven_.size())});
+  queue_motion(dt, driven_.empty() ? 0 : static_cast<int>(walls_.position.size()));
+  queue_rest_of_step(dt);
+}
+
+/// What follows the motion.
+inline void System::queue_rest_of_step(double dt) {
+  queue_forces(interval(dt), dt);
+  if (wall_bodies_.empty()) return;
+  const SumWallForce on_walls{.state = pointer(near_walls_.state),
+                              .candidate = pointer(near_walls_.candidate),
+                              .grain_of = pointer(near_walls_.grain_of),
+                              .facet = pointer(walls_.facets),
+                              .place = pointer(grains_.place),
+                              .wall = 0,
+                              .about = {}};
+  queue_.launch_sums<6>(static_cast<int>(wall_bodies_.size()), near_walls_.size(),
+                        FinishWalls{pointer(control_), on_walls, pointer(wall_bodies_), pointer(driven_)});
+}
+
+/// Grains, and so many nodes of walls.
+inline void System::queue_motion(double dt, int nodes) {
   Control* const control = pointer(control_);
-  queue_.launch(1, BeginStep{control, pointer(driven_), static_cast<int>(driven_.size())});
   with_leap(dt, gathered_forces(), [&]<class Leap>(int n, const Leap& leap) {
-    const int nodes = driven_.empty() ? 0 : static_cast<int>(walls_.position.size());
     queue_.launch_largest(n + nodes, MoveAll<Leap>{control, leap, n, walls_.nodes(), pointer(driven_)},
                           &control->moved);
   });
-  queue_forces(interval(dt), dt);
 }
 
 /// The part of a step after its motion.
@@ -98,28 +132,14 @@ inline void System::queue_forces(const kernels::Interval& time, double ended) {
     if (near_walls_.near_grains() == 0) return pairs();
     queue_.side_by_side(pairs, [&] { pass(near_walls_.near_grains(), wall_pass<Law>(time, ended)); });
   });
-  if (bonds_.any())
-    bonds_.press(pass, grains_, bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(),
-                 bodies_.of_sphere, ended, periods_);
-  const SumWallForce on_walls{pointer(near_walls_.state),
-                              pointer(near_walls_.candidate),
-                              pointer(near_walls_.grain_of),
-                              pointer(walls_.facets),
-                              pointer(grains_.place),
-                              0,
-                              {}};
-  queue_.launch_sums<6>(static_cast<int>(wall_bodies_.size()), near_walls_.size(),
-                        FinishWalls{control, on_walls, pointer(wall_bodies_), pointer(driven_)});
+  press_bonds(pass, ended);
 }
 
-/// The last half step, and what the bodies get of the window.
-inline void System::queue_end(double dt) {
+/// The second half of the last step.
+inline void System::queue_end(double dt, double ended) {
   with_leap(dt, gathered_forces(), [&]<class Leap>(int n, const Leap& leap) {
-    queue_.launch(n, EndSteps<Leap>{pointer(control_), leap});
+    queue_.launch(n, EndSteps<Leap>{pointer(control_), leap, ended});
   });
-  if (!walls_.nodal()) return;
-  fetch_node_impulse();
-  node_impulse_current_ = true;
 }
 
 /// Rows of nodes to the backend, without waiting. Each kind has its own memory on the host, where the next copy of that

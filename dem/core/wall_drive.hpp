@@ -118,13 +118,14 @@ struct MoveAll {
   }
 };
 
-/// The last half step of a window, where it was done.
+/// The second half of the last step of a window, or (ended = 0) the forces at the start of a run.
 template <class Leap>
 struct EndSteps {
   const Control* control;
   Leap leap;
+  double ended;  // [s]
   TRACKBED_FLATTEN TRACKBED_HD void operator()(int g) const {
-    if (!control->ends_here()) leap.pass(g, {.ends = true, .ended = control->dt, .begins = false});
+    if (!control->ends_here()) leap.pass(g, {.ends = true, .ended = ended, .begins = false});
   }
 };
 
