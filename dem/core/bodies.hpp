@@ -115,6 +115,7 @@ struct LeapBodies {
   const Vec3* inertia;
   const Vec3* listed;  // positions of spheres at which the list was built
   Phase phase;
+  bool pulled;  // see Leapfrog
 
   TRACKBED_FLATTEN TRACKBED_HD double operator()(int b) const { return pass(b, phase); }
   TRACKBED_HD double pass(int b, const Phase& phase) const {
@@ -124,13 +125,15 @@ struct LeapBodies {
     Pull p;
     if (phase.ends) {
       for (int s = carry.start[b]; s < carry.start[b + 1]; ++s) {
-        Pull one = read(sphere_pull, s);
+        const bool forces_in_pull = std::is_same_v<Forces, SummedForces> || pulled;
+        Pull one;
+        if (forces_in_pull) one = read(sphere_pull, s);
         forces.add(s, one);
         integrator.add_walls(s, one);
         p.force += one.force;
         p.torque += one.torque + cross(carry.sphere[s].position - centre, one.force);
         p.rolling += one.rolling;
-        sphere_pull.translation(s) = sphere_pull.rotation(s) = {};
+        if (forces_in_pull) sphere_pull.translation(s) = sphere_pull.rotation(s) = {};
       }
       end_step(b, phase.ended, t, turning, p);
     } else {

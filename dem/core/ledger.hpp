@@ -86,6 +86,21 @@ struct SumImpulse {
   }
 };
 
+/// The same for every wall at once, as Queue::launch_sums() wants it.
+struct SumImpulses {
+  SumImpulse sum;
+  Vec3* total;  // of the walls
+  TRACKBED_HD bool skip(int) const { return false; }
+  TRACKBED_HD void operator()(int wall, int candidate, Sums<3>& sums) const {
+    SumImpulse of_this = sum;
+    of_this.wall = wall;
+    of_this(candidate, sums);
+  }
+  TRACKBED_HD void finish(int wall, const Sums<3>& sums) const {
+    total[wall] = {sums.value[0], sums.value[1], sums.value[2]};
+  }
+};
+
 struct CountWallContacts {
   const WallState* state;
   TRACKBED_HD int operator()(int c) const { return state[c].overlap > 0 ? 1 : 0; }

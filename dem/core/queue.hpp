@@ -79,7 +79,7 @@ class HostRows {
     }
     return rows_;
   }
-  T* data() { return rows_; }
+  T* data() const { return rows_; }
   std::size_t size() const { return room_; }
 
  private:
@@ -201,6 +201,7 @@ class HostRows {
     return rows_.data();
   }
   T* data() { return rows_.data(); }
+  const T* data() const { return rows_.data(); }
   std::size_t size() const { return rows_.size(); }
 
  private:

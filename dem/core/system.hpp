@@ -102,6 +102,7 @@ class System final : public Simulation {
   template <class Launch>
   void press_bonds(const Launch&, double ended);
   void send_nodes(NodeRows, std::span<const Vec3>, Vec3* to, int first);
+  void fetch_impulses();
   void fetch_node_impulse() const;
   // system_advance.hpp
   void advance_by_steps(int n, double dt);
@@ -237,9 +238,12 @@ class System final : public Simulation {
   double gravity_reference_ = 0;      // [J]
   std::optional<double> taken_away_;  // [J] elastic energy before walls were removed, until the next forces
   bool gravity_referenced_ = false;
-  mutable Vector<Vec3> node_impulse_;
+  mutable Vector<Vec3> node_impulse_;  // [N s] of the last advance()
   mutable HostRows<Vec3> node_impulse_host_;
-  mutable bool node_impulse_current_ = false;
+  mutable bool node_impulse_is_here_ = false;
+  Vector<Vec3> wall_impulse_;  // [N s] on grains, without the flushed part
+  HostRows<Vec3> wall_impulse_host_;
+  bool wall_impulse_is_here_ = false;
 };
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -11,7 +11,7 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 inline void System::advance(int n, double dt) {
   base::require_internal(n >= 0 && dt > 0, "advance needs a positive step");
   [[maybe_unused]] const ThreadsFor threads(grains_.size());
-  node_impulse_current_ = false;
+  node_impulse_is_here_ = wall_impulse_is_here_ = false;
   walls_.begin_advance(n * dt, [this](auto... arguments) { send_nodes(arguments...); });
   clear(near_walls_.impulse);
   clear(near_walls_.nodal);
@@ -448,7 +448,7 @@ void System::with_leap(double dt, const Forces& forces, const Visit& visit) {
                               .at_start = verlet ? 0.5 : 1,
                               .at_end = verlet ? 0.5 : 0};
   if (bodies_.any()) return with_body_leap(integrator, forces, visit);
-  visit(grains_.size(), Leapfrog<Forces>{integrator, forces, pointer(grains_.listed), {}});
+  visit(grains_.size(), Leapfrog<Forces>{integrator, forces, pointer(grains_.listed), {}, bonds_.any()});
 }
 
 /// One pass of the integrator, outside a window; returns the largest squared displacement since the list was made.

@@ -26,13 +26,13 @@ inline void System::advance_queued(int n, double dt) {
     queue_.repeat(end - begun, [&] { queue_step(dt); });
     if (end == n) {
       queue_end(dt, dt);
-      if (walls_.nodal()) fetch_node_impulse();
-      node_impulse_current_ = walls_.nodal();
+      if (walls_.nodal()) fetch_impulses();
     }
     look(now);
     steps_ = before + now.step;
     if (!now.finite()) stop_unstable(0, now.step * dt);
     if (now.lists_are_stale()) {
+      node_impulse_is_here_ = wall_impulse_is_here_ = false;
       rebuild(now.share());
       start_steps(now);
       queue_rest_of_step(dt);
@@ -152,6 +152,17 @@ inline void System::send_nodes(NodeRows kind, std::span<const Vec3> rows, Vec3* 
   queue_.send(here, to + first, rows.size());
 }
 
+/// What the bodies are told after every window.
+inline void System::fetch_impulses() {
+  fetch_node_impulse();
+  const int walls = static_cast<int>(walls_.walls.size());
+  wall_impulse_.resize(walls);
+  const SumImpulse sum{pointer(near_walls_.impulse), pointer(near_walls_.candidate), pointer(walls_.facets), 0};
+  queue_.launch_sums<3>(walls, near_walls_.size(), SumImpulses{sum, pointer(wall_impulse_)});
+  queue_.fetch(pointer(wall_impulse_), wall_impulse_host_.make(walls), walls);
+  wall_impulse_is_here_ = true;
+}
+
 inline void System::fetch_node_impulse() const {
   const std::size_t nodes = walls_.node_impulse.size();
   node_impulse_.resize(nodes);
@@ -161,6 +172,7 @@ inline void System::fetch_node_impulse() const {
                          {candidates ? pointer(near_walls_.node_start) : nullptr, pointer(near_walls_.node_entry),
                           pointer(near_walls_.nodal), pointer(node_impulse_)}});
   queue_.fetch(pointer(node_impulse_), node_impulse_host_.make(nodes), nodes);
+  node_impulse_is_here_ = true;
 }
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM
