@@ -46,20 +46,20 @@ __global__ void largest_kernel(int n, Functor functor, NumberBits* largest) {
 
 template <int N, class Functor>
 __global__ void sum_kernel(int n, Functor functor) {
-  __shared__ Sums<N> partial[sum_threads];
+  __shared__ double partial[sum_threads][N];
   const int result = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
   if (functor.skip(result)) return;
   Sums<N> sums;
   for (int index = thread; index < n; index += sum_threads) functor(result, index, sums);
-  partial[thread] = sums;
+  for (int k = 0; k < N; ++k) partial[thread][k] = sums.value[k];
   for (int half = sum_threads / 2; half > 0; half /= 2) {
     __syncthreads();
     if (thread < half)
-      for (int k = 0; k < N; ++k) partial[thread].value[k] += partial[thread + half].value[k];
+      for (int k = 0; k < N; ++k) partial[thread][k] += partial[thread + half][k];
   }
-  if (thread == 0) functor.finish(result, partial[0]);
+  for (int k = 0; k < N && thread == 0; ++k) sums.value[k] = partial[0][k];
+  if (thread == 0) functor.finish(result, sums);
 }
-
 /// Memory of the host that the device reads and writes without a detour.
 template <class T>
 class HostRows {
