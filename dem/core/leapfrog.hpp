@@ -155,9 +155,13 @@ struct Leapfrog {
   Forces forces;
   const Vec3* listed;  // positions at which the list was built
   Phase phase;
+  bool pulled;  // `pull` takes part in the forces; otherwise it holds accelerations only
 
-  TRACKBED_FLATTEN TRACKBED_HD double operator()(int g) const {
-    Pull p = integrator.read(g);
+  TRACKBED_FLATTEN TRACKBED_HD double operator()(int g) const { return pass(g, phase); }
+  TRACKBED_HD double pass(int g, const Phase& phase) const {
+    const bool forces_in_pull = std::is_same_v<Forces, SummedForces> || pulled;
+    Pull p;
+    if (forces_in_pull || !phase.ends) p = integrator.read(g);
     if (phase.ends) {
       forces.add(g, p);
       integrator.end_step(g, phase.ended, p);
@@ -167,7 +171,7 @@ struct Leapfrog {
       return 0;
     }
     const bool finite = integrator.begin_step(g, p);
-    integrator.write(g, {});
+    if (forces_in_pull) integrator.write(g, {});
     const double squared = norm2(integrator.place[g].position - listed[g]);
     return finite && squared < 1e100 ? squared : HUGE_VAL;
   }

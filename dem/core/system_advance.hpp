@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "dem/core/system_bodies.hpp"
+#include "dem/core/system_queue.hpp"
 #include "dem/core/system_slabs.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
@@ -10,12 +11,21 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 inline void System::advance(int n, double dt) {
   base::require_internal(n >= 0 && dt > 0, "advance needs a positive step");
   [[maybe_unused]] const ThreadsFor threads(grains_.size());
-  node_impulse_current_ = false;
-  walls_.begin_advance(n * dt);
+  node_impulse_is_here_ = wall_impulse_is_here_ = false;
+  walls_.begin_advance(n * dt, [this](auto... arguments) { send_nodes(arguments...); });
   clear(near_walls_.impulse);
   clear(near_walls_.nodal);
   last_dt_ = dt;
   prepare(dt);
+  if (queues())
+    advance_queued(n, dt);
+  else
+    advance_by_steps(n, dt);
+  time_ += n * dt;
+}
+
+/// The host looks at every step: it sweeps, or other parts must be asked.
+inline void System::advance_by_steps(int n, double dt) {
   int trouble = 0;  // in company all parts stop together: after the next leap
   for (int k = 1; k <= n; ++k) {
     if (walls_.any()) walls_.move(k, n, dt, setup_.gravity);
@@ -26,14 +36,13 @@ inline void System::advance(int n, double dt) {
     move_ghosts();
     relist(std::sqrt(squared), static_cast<double>(k) / n);
     evaluate(interval(dt), dt);
-    trouble = first_of(trouble_);
+    trouble = met_trouble();
     if (trouble && !in_company()) stop_unstable(trouble, k * dt);
     if (walls_.bodies()) finish_walls(dt);
   }
   if (in_company() && over_parts(trouble) > 0) stop_unstable(trouble, n * dt);
   if (n > 0) leap({.ends = true, .ended = dt, .begins = false}, dt);
   move_images();
-  time_ += n * dt;
 }
 
 inline kernels::Interval System::interval(double dt) const {
@@ -60,8 +69,9 @@ inline void System::prepare(double dt) {
     // The histories are half a step ahead: taken back to this instant, and ahead again for the step to come.
     clear(grains_.pull);
     move_ghosts();
+    if (!sweeps()) send_free_control(dt, 1);
     evaluate({-last_ahead_, interval(dt).ahead}, 0);
-    const int trouble = first_of(trouble_);
+    const int trouble = met_trouble();
     if (over_parts(trouble) > 0) stop_unstable(trouble, 0);
     if (walls_.bodies()) feel_walls();
     leap({.ends = true, .ended = 0, .begins = false}, dt);
@@ -359,7 +369,7 @@ WallPass<Law> System::wall_pass(const kernels::Interval& time, double ended) {
           .nodal = pointer(near_walls_.nodal),
           .nodal_rows = walls_.nodal_rows(),
           .ledger = pointer(near_walls_.ledger),
-          .unstable = pointer(trouble_),
+          .unstable = pointer(control_)->trouble,
           .maximum_overlap = setup_.maximum_overlap,
           .time = time,
           .dt = ended};
@@ -391,32 +401,42 @@ void System::sweep_pairs(const kernels::Interval& time, const Walls& walls) {
   totals_.loss_friction += sweep_sums_.loss_friction;
   totals_.loss_contact_damping += sweep_sums_.loss_damping;
   totals_.loss_rolling += sweep_sums_.loss_rolling;
-  if (sweep_sums_.overlap_too_large) trouble_[0] = overlap_too_large;
+  if (sweep_sums_.overlap_too_large) pointer(control_)->trouble[0] = overlap_too_large;
 }
 #endif
 
 /// Forces at the present positions, added to grains_.pull or left with the pairs; the step that ends took `ended`.
 inline void System::evaluate(const kernels::Interval& time, double ended) {
-  move_images();
-  with_scene_law([&]<class Law>() {
-    const auto walls = wall_pass<Law>(time, ended);
 #if !defined(TRACKBED_DEM_CUDA)
-    if (sweeps()) return sweep_pairs(time, walls);
+  if (sweeps()) {
+    move_images();
+    with_scene_law([&]<class Law>() { sweep_pairs(time, wall_pass<Law>(time, ended)); });
+    press_bonds([](int n, const auto& pass) { launch(n, pass); }, ended);
+  }
 #endif
-    with_numbers(setup_.precision, [&]<class Real>() {
-      launch(pairs_.size(), contact_pass<Law, Real>(grains_, pairs_, pointer(grain_parameters_), pointer(trouble_),
-                                                    setup_.maximum_overlap, time));
-    });
-    launch(near_walls_.near_grains(), walls);
-  });
-  if (bonds_.any())
-    bonds_.press(grains_, bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(),
-                 bodies_.of_sphere, ended, periods_);
+  if (!sweeps()) queue_forces(time, ended);
   last_ahead_ = time.ahead;
 }
 
-/// One pass of the integrator; returns the largest squared displacement since the list was made.
-inline double System::leap(const Phase& phase, double dt) {
+/// Each pass is started by launch(n, functor).
+template <class Launch>
+void System::press_bonds(const Launch& launch_pass, double ended) {
+  if (bonds_.any())
+    bonds_.press(launch_pass, grains_,
+                 bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(), bodies_.of_sphere,
+                 ended, periods_);
+}
+
+template <class Real>
+GatheredForces<Real> System::gathered_forces() {
+  auto& numbers = pairs_.numbers<Real>();
+  return {pointer(grains_.place), pointer(pairs_.own_start), pointer(pairs_.other_start),
+          pointer(pairs_.other),  pointer(numbers.result),   pointer(numbers.couple)};
+}
+
+/// Calls visit(number of grains, pass of the integrator over them).
+template <class Forces, class Visit>
+void System::with_leap(double dt, const Forces& forces, const Visit& visit) {
   const bool verlet = setup_.time_scheme == TimeScheme::velocity_verlet;
   const Integrator integrator{.place = pointer(grains_.place),
                               .state = grains_.states(),
@@ -431,20 +451,31 @@ inline double System::leap(const Phase& phase, double dt) {
                               .dt = dt,
                               .at_start = verlet ? 0.5 : 1,
                               .at_end = verlet ? 0.5 : 0};
-  const Vec3* listed = pointer(grains_.listed);
-  const int n = grains_.size();
+  if (bodies_.any()) return with_body_leap(integrator, forces, visit);
+  visit(grains_.size(), Leapfrog<Forces>{integrator, forces, pointer(grains_.listed), {}, bonds_.any()});
+}
+
+/// One pass of the integrator, outside a window; returns the largest squared displacement since the list was made.
+inline double System::leap(const Phase& phase, double dt) {
 #if !defined(TRACKBED_DEM_CUDA)
-  if (bodies_.any() && sweeps()) return leap_bodies(integrator, SummedForces{}, phase);
-  if (sweeps()) return reduce(n, Leapfrog<SummedForces>{integrator, {}, listed, phase}, 0.0, thrust::maximum<double>());
+  if (sweeps()) {
+    double squared = 0;
+    with_leap(dt, SummedForces{}, [&](int n, auto pass) {
+      pass.phase = phase;
+      squared = reduce(n, pass, 0.0, thrust::maximum<double>());
+    });
+    return squared;
+  }
 #endif
-  return with_numbers(setup_.precision, [&]<class Real>() {
-    const auto& numbers = pairs_.numbers<Real>();
-    const GatheredForces<Real> forces{pointer(grains_.place), pointer(pairs_.own_start), pointer(pairs_.other_start),
-                                      pointer(pairs_.other),  pointer(numbers.result),   pointer(numbers.couple)};
-    if (bodies_.any()) return leap_bodies(integrator, forces, phase);
-    const Leapfrog<GatheredForces<Real>> leap{integrator, forces, listed, phase};
-    return reduce(n, leap, 0.0, thrust::maximum<double>());
-  });
+  if (!phase.begins) {
+    queue_end(dt, phase.ended);
+    return 0;
+  }
+  send_free_control(dt, phase.ends ? 2 : 1);
+  queue_motion(dt, 0);
+  queue_.fetch(pointer(control_), control_host_.data(), 1);
+  queue_.wait();
+  return number_of(control_host_.data()->moved);
 }
 
 /// Finds the grain to blame and says where it is. Called once, at the end of a run.

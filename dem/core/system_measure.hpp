@@ -156,10 +156,13 @@ inline void System::flush_impulses() {
 
 inline Vec3 System::wall_impulse_on_grains(int wall) const {
   require_wall(wall);
+  const Vec3 flushed = walls_.walls[wall].impulse;
+  if (wall_impulse_is_here_ && wall < static_cast<int>(wall_impulse_.size()))
+    return flushed + wall_impulse_host_.data()[wall];
   const auto sum = ordered_sum<3>(
       near_walls_.size(),
       SumImpulse{pointer(near_walls_.impulse), pointer(near_walls_.candidate), pointer(walls_.facets), wall});
-  return walls_.walls[wall].impulse + Vec3{sum.value[0], sum.value[1], sum.value[2]};
+  return flushed + Vec3{sum.value[0], sum.value[1], sum.value[2]};
 }
 
 inline void System::nodal_impulse(int wall, std::span<Vec3> impulse) const {
@@ -167,16 +170,11 @@ inline void System::nodal_impulse(int wall, std::span<Vec3> impulse) const {
   const HostWall& w = walls_.walls[wall];
   base::require_internal(walls_.rows_host[wall].nodal, "nodal impulses are kept for meshes with a target only");
   base::require_internal(impulse.size() == static_cast<std::size_t>(w.nodes), "impulse of another mesh");
-  if (!node_impulse_current_) {
-    Vector<Vec3> total = walls_.node_impulse;
-    if (!near_walls_.nodal.empty())
-      launch(static_cast<int>(total.size()),
-             GatherNodes{pointer(near_walls_.node_start), pointer(near_walls_.node_entry), pointer(near_walls_.nodal),
-                         pointer(total)});
-    node_impulse_host_ = download(total);
-    node_impulse_current_ = true;
+  if (!node_impulse_is_here_) {
+    fetch_node_impulse();
+    queue_.wait();
   }
-  std::copy_n(node_impulse_host_.begin() + w.first_node, w.nodes, impulse.begin());
+  std::copy_n(node_impulse_host_.data() + w.first_node, w.nodes, impulse.begin());
 }
 
 // ---- contacts

@@ -199,7 +199,7 @@ inline void System::load(const base::Columns& columns) {
   const bool stale = list_is_stale_;
   upload_parameters();
   list_is_stale_ = stale;
-  node_impulse_current_ = false;
+  node_impulse_is_here_ = wall_impulse_is_here_ = false;
   convert(pairs_, setup_.precision);
 #if !defined(TRACKBED_DEM_CUDA)
   if (sweeps() && !sweep_lists_.go_on(sweep_layout(), images_, periods_)) list_is_stale_ = true;
