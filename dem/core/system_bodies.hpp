@@ -177,7 +177,8 @@ void System::with_body_leap(const Integrator& spheres, const Forces& forces, con
                                                                pointer(bodies_.orientation),
                                                                pointer(bodies_.inertia),
                                                                pointer(grains_.listed),
-                                                               {}});
+                                                               {},
+                                                               bonds_.any()});
   });
 }
 
