@@ -30,7 +30,7 @@ logs=$build/check
 
 # ---- is there a device, and a compiler for it
 nvcc=$(PATH=$PATH:${CUDA_HOME:-/usr/local/cuda}/bin:/usr/local/cuda/bin command -v nvcc || true)
-architecture=native
+architecture=() # of this machine's GPU; not known: the default ones
 if [[ $backend == cuda ]]; then
   export PATH=$PATH:/usr/local/nvidia/bin
   if ! command -v nvidia-smi >/dev/null && [[ ! -e /dev/nvidiactl ]]; then
@@ -41,7 +41,7 @@ if [[ $backend == cuda ]]; then
       refuse "no GPU to use: the driver answers: $(head -n 1 <<<"$listed")"
     [[ -n $listed ]] || refuse "no GPU to use: the driver knows no device"
     found=$(head -n 1 <<<"$listed" | tr -d '. ')
-    [[ $found =~ ^[0-9]+$ ]] && architecture=$found
+    [[ ! $found =~ ^[0-9]+$ ]] || architecture=("-DTRACKBED_CUDA_ARCHITECTURES=$found")
   fi
   [[ -n $nvcc ]] || refuse "CUDA cannot be built: nvcc is not on the PATH, in CUDA_HOME or in /usr/local/cuda"
 fi
@@ -66,8 +66,7 @@ configure() { # LOG, then options
   shift
   cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DTRACKBED_BENCHMARKS=ON \
     -DTRACKBED_WARNINGS_ARE_ERRORS=OFF -DTRACKBED_GOOGLETEST="$googletest" \
-    -DTRACKBED_CUDA="$([[ $backend == cuda ]] && echo ON || echo OFF)" -DTRACKBED_CUDA_ARCHITECTURES="$architecture" \
-    "$@" >"$log" 2>&1
+    -DTRACKBED_CUDA="$([[ $backend == cuda ]] && echo ON || echo OFF)" "${architecture[@]}" "$@" >"$log" 2>&1
 }
 first_error() { grep -m 1 -A 3 'CMake Error' "$1" | tr -s ' \n' ' ' | cut -c 1-200 || true; }
 
@@ -104,9 +103,9 @@ if ! ninja -C "$build" "${targets[@]}" >"$logs/build.log" 2>&1; then
   exit 1
 fi
 if ((coupled)); then
-  note "build" "all of Trackbed, architecture $architecture" "$SECONDS"
+  note "build" "all of Trackbed ${architecture[*]}" "$SECONDS"
 elif [[ $backend == cuda ]]; then
-  note "build" "the grains alone, architecture $architecture: $(first_error "$logs/configure.log")" "$SECONDS"
+  note "build" "the grains alone ${architecture[*]}: $(first_error "$logs/configure.log")" "$SECONDS"
 else
   note "build" "the grains alone, without CUDA" "$SECONDS"
 fi

@@ -259,7 +259,7 @@ TEST(OneByOne, TheSameAgainToTheLastBit) { expect_the_same_again(one_by_one); }
 TEST_F(Gpu, TheSameAgainToTheLastBit) { expect_the_same_again(gpu); }
 
 // ---- after chaos has set in: what can be compared are means
-/// A cone of spheres, steeper than it can stand, slumps on a rough floor.
+/// A steep cone of spheres slumps on a rough floor.
 struct Heap {
   double angle = 0, coordination = 0, porosity = 0;  // [rad], contacts per grain, of the core
 };
@@ -268,23 +268,27 @@ Heap heap_of(const Way& way, Precision precision, unsigned seed) {
   dem::set_threads(1);
   dem::Setup setup;
   setup.materials = {{"stone", 1e7, 0.2, 2700}};
-  setup.interactions = {{.friction = 0.8, .restitution = 0.3, .rolling_friction = 0.3}};
+  setup.interactions = {{.friction = 0.5, .restitution = 0.3, .rolling_friction = 0.1}};
   setup.gravity = {0, 0, -9.81};
   setup.lanes = way.lanes;
   setup.precision = precision;
   setup.track_energy = false;
   const auto sim = Simulation::create(setup, way.backend);
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> shift(-0.001, 0.001), size(0.018, 0.0195);
+  std::uniform_real_distribution<double> shift(-0.001, 0.001), size(0.017, 0.0195);
   std::vector<dem::Grain> grains;
-  const double height = 0.44, foot = 0.4, spacing = 0.04;
-  for (double z = 0.5 * spacing; z < height; z += spacing)
-    for (double x = -foot; x <= foot; x += spacing)
-      for (double y = -foot; y <= foot; y += spacing)
-        if (std::hypot(x, y) < foot * (1 - z / height))
-          grains.push_back({.position = Vec3{x + shift(random), y + shift(random), z + shift(random)},
-                            .radius = size(random),
-                            .id = static_cast<std::int64_t>(grains.size())});
+  const double height = 0.6, foot = 0.34, spacing = 0.041;
+  for (int layer = 0; (layer + 0.5) * spacing < height; ++layer) {
+    const double z = (layer + 0.5) * spacing, aside = layer % 2 ? 0.5 * spacing : 0;  // no stacks, which could stand
+    for (int i = -9; i <= 9; ++i)
+      for (int j = -9; j <= 9; ++j) {
+        const double x = i * spacing + aside, y = j * spacing + aside;
+        if (std::hypot(x, y) > foot * (1 - z / height)) continue;
+        grains.push_back({.position = Vec3{x + shift(random), y + shift(random), z + shift(random)},
+                          .radius = size(random),
+                          .id = static_cast<std::int64_t>(grains.size())});
+      }
+  }
   sim->add_grains(grains);
   sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
   sim->advance(3000, 3e-4);
@@ -319,6 +323,7 @@ void expect_alike(const Way& one, const Way& other, Precision precision) {
   const auto scatter = [](double square, double middle) { return std::sqrt(std::fmax(0, square - middle * middle)); };
   const double degree = std::numbers::pi / 180;
   EXPECT_GT(mean[0].angle, 12 * degree);
+  EXPECT_LT(mean[0].angle, 45 * degree);  // it has slumped
   EXPECT_GT(mean[0].coordination, 2.5);
   EXPECT_NEAR(mean[0].angle, mean[1].angle, 2 * scatter(squares.angle, mean[0].angle) + degree);
   EXPECT_NEAR(mean[0].coordination, mean[1].coordination,
