@@ -23,11 +23,11 @@ using dem::Vec3;
 
 constexpr double modulus = 2.4e8, ratio = 0.2, density = 2700, step = 5e-6;  // those of benchmark A
 
-std::vector<int> ways_to_take_contacts() {
+/// The ways to take contacts.
+std::vector<int> all_lanes() {
   if (dem_test::backend() == dem::Backend::cuda) return {1};
   return dem::sweep_lanes() == 4 ? std::vector<int>{1, 2, 4} : std::vector<int>{1, 2};
 }
-const std::vector<int> all_lanes = ways_to_take_contacts();
 
 std::unique_ptr<Simulation> simulation(Precision precision, int lanes, const Interaction& between, Vec3 gravity = {}) {
   dem::Setup setup;
@@ -56,7 +56,7 @@ double difference(const Simulation& a, const Simulation& b) {
 // places rounded to single precision there (0.1 mm) would leave no contact at all.
 TEST(Precision, HertzImpactFarFromTheOrigin) {
   const double radius = 0.02, speed = 0.1;
-  for (const int lanes : all_lanes)
+  for (const int lanes : all_lanes())
     for (const Vec3 at : {Vec3{}, Vec3{1500, -800, 30}}) {
       const auto sim = simulation(Precision::mixed, lanes, {.friction = 0.5, .restitution = 1});
       std::vector<Grain> pair{{.position = at, .radius = radius, .velocity = {speed, 0, 0}, .id = 1},
@@ -84,7 +84,7 @@ TEST(Precision, HertzImpactFarFromTheOrigin) {
 }
 
 TEST(Precision, RestitutionIsReturned) {
-  for (const int lanes : all_lanes)
+  for (const int lanes : all_lanes())
     for (const double e : {0.3, 0.7, 0.95}) {
       const auto sim = simulation(Precision::mixed, lanes, {.friction = 0.5, .restitution = e});
       sim->add_grains(std::vector<Grain>{{.position = {}, .radius = 0.02, .velocity = {0, 0, 1}, .id = 1},
@@ -112,7 +112,7 @@ TEST(Precision, EveryLawAndRollingModel) {
   for (std::size_t law = 0; law < laws.size(); ++law)
     for (const char* rolling : {"none", "type_a", "type_c", "brof"}) {
       std::unique_ptr<Simulation> one_by_one;
-      for (const int lanes : all_lanes) {
+      for (const int lanes : all_lanes()) {
         Interaction between = laws[law];
         if (law != 1) between.friction = 0.4;
         between.restitution = 0.6;
@@ -170,7 +170,7 @@ TEST(Precision, BedMovesAsInDouble) {
   add_box(*pour);
   pour->advance(20000, 4 * step);
   const auto start = pour->grains();
-  for (const int lanes : all_lanes) {
+  for (const int lanes : all_lanes()) {
     base::Energy energy[2];
     for (const Precision precision : {Precision::full, Precision::mixed}) {
       const auto sim = simulation(precision, lanes, stone, gravity);
@@ -198,7 +198,7 @@ TEST(Precision, BedMovesAsInDouble) {
 // Three spheres on a floor and one on top, held by friction alone: once at rest, nothing trembles and nothing creeps.
 TEST(Precision, PileAtRestStaysAtRest) {
   const double r = 0.02;
-  for (const int lanes : all_lanes) {
+  for (const int lanes : all_lanes()) {
     const auto sim = simulation(Precision::mixed, lanes, {.friction = 0.8, .restitution = 0.3, .rolling_friction = 0.1},
                                 {0, 0, -9.81});
     sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
@@ -224,7 +224,7 @@ TEST(Precision, PileAtRestStaysAtRest) {
 
 // Action = reaction: the sum of m v stays to the rounding of double, that of angular momentum to that of a float.
 TEST(Precision, MomentumIsKept) {
-  for (const int lanes : all_lanes)
+  for (const int lanes : all_lanes())
     for (const int threads : {1, 3}) {
       dem::set_threads(threads);
       const auto sim = simulation(Precision::mixed, lanes, {.friction = 0.5, .restitution = 0.8, .rolling = "type_c"});
@@ -323,8 +323,8 @@ double apart(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 // there), or a distance rounded before the radii are taken off it (2e-9 m), would change forces by 1 and by 3e-4.
 TEST(Precision, BedAlongTheTrackFeelsTheSameForces) {
   const Interaction stone{.friction = 0.6, .restitution = 0.4};
-  const auto exact = kicks(Precision::full, all_lanes[0], stone, 0);
-  for (const int lanes : all_lanes) {
+  const auto exact = kicks(Precision::full, all_lanes()[0], stone, 0);
+  for (const int lanes : all_lanes()) {
     const auto here = kicks(Precision::mixed, lanes, stone, 0), there = kicks(Precision::mixed, lanes, stone, 100);
     EXPECT_LT(apart(here, exact), 3e-7) << lanes;
     EXPECT_LT(apart(there, here), 3e-7) << lanes;
