@@ -28,9 +28,10 @@ const T& column(const Columns& columns, const std::string& name) {
   return *values;
 }
 
-/// Rows that are no plain numbers are made of doubles.
+/// Rows that are no plain numbers are made of doubles; of floats where their size leaves no other choice.
 template <class T>
-using Cell = std::conditional_t<std::is_arithmetic_v<T>, T, double>;
+using Cell =
+    std::conditional_t<std::is_arithmetic_v<T>, T, std::conditional_t<sizeof(T) % sizeof(double) == 0, double, float>>;
 
 class Saver {
  public:

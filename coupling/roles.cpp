@@ -116,6 +116,9 @@ Roles::Roles(MPI_Comm all, const Scene& scene, const RankWishes& wishes) {
   const int mine[2] = {has_grains, !has_grains};
   int both[2] = {0, 0};
   MPI_Allreduce(mine, both, 2, MPI_INT, MPI_SUM, here);
+  int up_to_me = 0;
+  MPI_Scan(mine, &up_to_me, 1, MPI_INT, MPI_SUM, here);
+  dem_number_here = up_to_me - mine[0];
   MPI_Comm_free(&here);
   dem_here = both[0];
   fem_here = both[1];

@@ -39,6 +39,7 @@ class Roles {
   int dem_ranks = 0, fem_ranks = 0;
   int all_ranks = 1;               // a lone rank may be of both kinds
   int dem_here = 0, fem_here = 0;  // ranks on this machine that have grains, and that have nothing but elements
+  int dem_number_here = 0;         // of a rank with grains, among those on this machine
   bool is_root() const { return rank == 0; }  // writes history, summary and progress; has the grains if there are any
   bool is_fem_root() const { return is_fem && rank == first_fem_rank; }
 };

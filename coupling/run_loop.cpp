@@ -431,6 +431,7 @@ void RunLoop::close_summary() {
   summary_.fem_ranks = roles.fem_ranks;
   summary_.threads = setup_.threads;
   summary_.backend = setup_.grains ? (setup_.backend == dem::Backend::cuda ? "cuda" : "omp") : "none";
+  summary_.device = setup_.device;
   if (setup_.scene.grains && setup_.scene.grains->precision == dem::Precision::mixed) summary_.precision = "mixed";
   summary_.elements = elements;
   summary_.windows = windows_;

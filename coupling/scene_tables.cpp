@@ -121,7 +121,7 @@ const Table& grains_table() {
                .otherwise("quaternion"),
            base::text("precision",
                       "of contacts between grains; mixed: laws in single precision, state and sums in double; "
-                      "processors only, packings stay double")
+                      "packings stay double")
                .among({"double", "mixed"})
                .otherwise("double"),
            base::real("neighbour_skin", "m", "margin of the neighbour list; 0: chosen").at_least(0).otherwise(0.0),

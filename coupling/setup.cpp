@@ -77,6 +77,7 @@ Setup::Setup(MPI_Comm all, const RunOptions& options_) : options(options_) {
   agree(all, [&] { scene = read_scene(options.scene, options.overrides); });
   agree(all, [&] { require_one_run(all, scene, options); });
   agree(all, [&] { roles = std::make_unique<Roles>(all, scene, options.ranks); });
+  if (roles->dem != MPI_COMM_NULL) dem::use_device(roles->dem_number_here);
   if (roles->is_worker) return;
   if (roles->is_dem && roles->dem_ranks > 1)
     slabs = std::make_unique<SlabCrew>(roles->dem, dem::Simulation::create, roles->joint);
@@ -115,17 +116,14 @@ void Setup::choose_backend() {
   const bool usable = dem::cuda_available(&why_not);
   base::require_user(options.backend != "cuda" || usable,
                      fmt::format("--backend cuda: not usable here ({}); use --backend auto or omp", why_not));
-  const bool mixed = scene.grains->precision == dem::Precision::mixed;
-  base::require_user(
-      options.backend != "cuda" || !mixed,
-      fmt::format("{}: grains.precision = \"mixed\" is for the processor's cores, not for --backend cuda; "
-                  "use --backend auto or omp, or precision = \"double\"",
-                  scene.file.string()));
-  backend = usable && !mixed && options.backend != "omp" ? dem::Backend::cuda : dem::Backend::omp;
-  if (usable && mixed && options.backend == "auto")
-    spdlog::info("grains.precision = \"mixed\": grains run on the processor's cores, not on the GPU");
+  backend = usable && options.backend != "omp" ? dem::Backend::cuda : dem::Backend::omp;
   if (dem::cuda_built() && !usable && options.backend == "auto")
     spdlog::info("no usable GPU ({}): grains run on the processor's cores", why_not);
+  if (backend == dem::Backend::cuda) {
+    device = dem::device_text();
+    spdlog::info("grains run on {}{}", device,
+                 roles->dem_ranks > 1 ? ", those of the other ranks on the GPUs of their machines in turn" : "");
+  }
   threads = sensible_threads(options.threads, expected_grains(*scene.grains), *roles, true);
   use_threads(threads);
 }

@@ -120,6 +120,7 @@ std::string to_json(const Summary& run, std::span<const Outcome> outcomes) {
   json["fem_ranks"] = run.fem_ranks;
   json["threads"] = run.threads;
   json["backend"] = run.backend;
+  if (!run.device.empty()) json["device"] = run.device;
   json["precision"] = run.precision;
   if (!run.solver.empty()) json["solver"] = run.solver;
   json["grains"] = run.grains;

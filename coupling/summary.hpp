@@ -20,7 +20,7 @@ struct Summary {
   std::string restarted_from;                   // checkpoint; empty: from the start
   int ranks = 1, dem_ranks = 0, fem_ranks = 0;  // a lone rank may be of both kinds
   int threads = 1;                              // of every DEM rank
-  std::string backend, precision = "double";
+  std::string backend, device, precision = "double";
   std::string solver;                 // of the bodies; empty without any
   std::vector<fem::BodyModes> modes;  // of a modal scene
   std::int64_t grains = 0, spheres = 0, elements = 0;

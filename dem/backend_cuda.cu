@@ -1,5 +1,7 @@
 // The DEM core on Thrust's CUDA system: the same source as backend_omp.cpp.
 #define TRACKBED_DEM_CUDA 1
+#include <atomic>
+#include <cstdio>
 #include <memory>
 
 #include "dem/backends.hpp"
@@ -13,7 +15,34 @@
 
 namespace dem {
 
+namespace {
+
+std::atomic<int> wanted_device = 0;
+
+/// The device that simulations take, or -1.
+int device() {
+  int devices = 0;
+  if (cudaGetDeviceCount(&devices) == cudaSuccess && devices > 0) return wanted_device % devices;
+  cudaGetLastError();
+  return -1;
+}
+
+}  // namespace
+
+void cuda_use_device(int number) { wanted_device = number < 0 ? 0 : number; }
+
+std::string cuda_device_text() {
+  cudaDeviceProp is{};
+  const int number = device();
+  if (number < 0 || cudaGetDeviceProperties(&is, number) != cudaSuccess) return "";
+  char text[400];
+  std::snprintf(text, sizeof text, "%s (device %d, %.0f GiB, compute capability %d.%d)", is.name, number,
+                static_cast<double>(is.totalGlobalMem) / (1 << 30), is.major, is.minor);
+  return text;
+}
+
 std::unique_ptr<Simulation> create_cuda(const Setup& setup) {
+  cuda_system::require_device(cudaSetDevice(device()), "choosing the device");
   return std::make_unique<cuda_system::System>(setup, Backend::cuda);
 }
 

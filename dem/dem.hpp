@@ -28,6 +28,11 @@ enum class Backend { omp, cuda };
 bool cuda_available(std::string* why_not = nullptr);
 /// True when the CUDA backend was compiled into this binary.
 bool cuda_built();
+/// Simulations made from now on take this one of the machine's GPUs, counted round where there are fewer. Several
+/// processes may share one. Asks nothing of the GPU yet.
+void use_device(int number);
+/// The GPU that simulations take: name, number, memory; empty without one.
+std::string device_text();
 
 /// Elastic constants of what touches. A wall material has no density.
 struct Material {

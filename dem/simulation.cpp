@@ -34,6 +34,20 @@ std::unique_ptr<Simulation> Simulation::create(const Setup& setup, Backend backe
 #endif
 }
 
+void use_device([[maybe_unused]] int number) {
+#if defined(TRACKBED_WITH_CUDA)
+  cuda_use_device(number);
+#endif
+}
+
+std::string device_text() {
+#if defined(TRACKBED_WITH_CUDA)
+  return cuda_device_text();
+#else
+  return "";
+#endif
+}
+
 void set_threads(int threads) { omp_set_num_threads(threads); }
 
 }  // namespace dem

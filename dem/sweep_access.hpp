@@ -14,6 +14,11 @@
 //   and nothing of less than half that. With F / k_t = 10 um and steps of 5 us: 0.24 um/s, at worst steadily in one
 //   direction. Contacts that creep so slowly for long want double;
 // - forces below 1e-9 N: their squares' squares leave the range of a float where a contact slips.
+//
+// Measured there: what all contacts do to the grains of a bed at rest in one step, 8e-8 of the largest; the same bed
+// 100 m along the track, 1e-9 (the coordinate's rounding over an overlap). An oblique impact at 1 m/s of turning
+// spheres, every law and rolling model: 4e-7 m/s. One by one (core/contact_pass.hpp, as on a GPU) against the sweep:
+// 3e-7 m/s. One by one, histories and results of pairs are floats too, so that they take half the memory.
 #include "dem/kernels/lanes.hpp"
 #include "dem/sweep.hpp"
 

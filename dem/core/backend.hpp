@@ -3,6 +3,7 @@
 // backend_omp.cpp and backend_cuda.cu), each time in the system's own namespace, so that the two halves of the program
 // share no symbol. The namespace name is a macro for that reason alone.
 #if defined(TRACKBED_DEM_CUDA)
+#include <thrust/mr/allocator.h>
 #include <thrust/system/cuda/execution_policy.h>
 #include <thrust/system/cuda/vector.h>
 #define TRACKBED_DEM_SYSTEM cuda_system
@@ -19,15 +20,17 @@
 #include <thrust/for_each.h>
 #include <thrust/functional.h>
 #include <thrust/iterator/counting_iterator.h>
-#include <thrust/reduce.h>
 #include <thrust/scan.h>
 #include <thrust/sequence.h>
 #include <thrust/sort.h>
 #include <thrust/transform_reduce.h>
 
+#include <cstring>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/vec3.hpp"
 
 /// Inlines everything a functor calls: g++ would leave the contact law a call, at the price of a third of its speed.
@@ -40,11 +43,50 @@
 namespace dem::TRACKBED_DEM_SYSTEM {
 
 using base::Vec3;
+using base::Vector3;
 
 #if defined(TRACKBED_DEM_CUDA)
+inline void require_device(cudaError_t error, const char* what) {
+  if (error == cudaSuccess) return;
+  cudaGetLastError();  // an error that has been told must not be found by a later call
+  throw base::MachineError(std::string("the GPU failed (") + what + "): " + cudaGetErrorString(error));
+}
+
+/// Device memory from the driver's pool: what lists give back when they are made anew is at hand for the next ones.
+class PooledMemory final : public thrust::mr::memory_resource<thrust::cuda::pointer<void>> {
+ public:
+  pointer do_allocate(std::size_t bytes, std::size_t) override {
+    void* memory = nullptr;
+    require_device(pools() ? cudaMallocAsync(&memory, bytes, nullptr) : cudaMalloc(&memory, bytes), "memory");
+    return pointer(memory);
+  }
+  void do_deallocate(pointer memory, std::size_t, std::size_t) noexcept override {
+    pools() ? cudaFreeAsync(memory.get(), nullptr) : cudaFree(memory.get());
+  }
+
+ private:
+  /// Devices without pools are rare (some virtual ones).
+  static bool pools() {
+    static const bool has = [] {
+      int device = 0, supported = 0;
+      cudaMemPool_t pool = nullptr;
+      std::uint64_t kept = UINT64_MAX;
+      return cudaGetDevice(&device) == cudaSuccess &&
+             cudaDeviceGetAttribute(&supported, cudaDevAttrMemoryPoolsSupported, device) == cudaSuccess && supported &&
+             cudaDeviceGetDefaultMemPool(&pool, device) == cudaSuccess &&
+             cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &kept) == cudaSuccess;
+    }();
+    return has;
+  }
+};
 template <class T>
-using Vector = thrust::cuda::vector<T>;
-inline auto policy() { return thrust::cuda::par_nosync; }
+using Pooled = thrust::mr::stateless_resource_allocator<T, PooledMemory>;
+template <class T>
+using Vector = thrust::cuda::vector<T, Pooled<T>>;
+inline auto policy() {
+  static Pooled<char> temporaries;
+  return thrust::cuda::par_nosync(temporaries);
+}
 struct ThreadsFor {
   explicit ThreadsFor(int) {}
 };
@@ -123,34 +165,62 @@ T first_of(const Vector<T>& v) {
 /// Loops up to this length run on the calling thread: starting a parallel loop takes longer than they do.
 constexpr int serial_length = 256;
 
-/// Calls functor(index) for 0 … n-1, in any order.
+#if defined(TRACKBED_DEM_CUDA)
+constexpr int kernel_threads = 128;  // of a block
+inline unsigned blocks_of(int n) { return (static_cast<unsigned>(n) + kernel_threads - 1) / kernel_threads; }
+
+template <class Functor>
+__global__ void __launch_bounds__(kernel_threads) each_kernel(int n, Functor functor) {
+  const int index = static_cast<int>(blockIdx.x * kernel_threads + threadIdx.x);
+  if (index < n) functor(index);
+}
+template <class Functor>
+void launch_on(cudaStream_t stream, int n, const Functor& functor) {
+  each_kernel<<<blocks_of(n), kernel_threads, 0, stream>>>(n, functor);
+  require_device(cudaGetLastError(), "a kernel");
+}
+#endif
+
+/// Calls functor(index) for 0 … n-1, in any order. On CUDA in the default stream, and without waiting.
 template <class Functor>
 void launch(int n, Functor functor) {
-#if !defined(TRACKBED_DEM_CUDA)
+#if defined(TRACKBED_DEM_CUDA)
+  if (n > 0) launch_on(nullptr, n, functor);
+#else
   if (n <= serial_length) {
     for (int index = 0; index < n; ++index) functor(index);
     return;
   }
+  thrust::for_each_n(policy(), thrust::counting_iterator<int>(0), n, functor);
 #endif
-  if (n > 0) thrust::for_each_n(policy(), thrust::counting_iterator<int>(0), n, functor);
 }
 
-template <class T, class Functor>
-struct StoreResult {
+/// One of several shares of a reduction.
+template <class T, class Functor, class Operation>
+struct ReduceShare {
   Functor functor;
-  T* result;
-  TRACKBED_HD void operator()(int index) const { result[index] = functor(index); }
+  Operation operation;
+  T start;
+  T* partial;
+  int n, shares;
+  TRACKBED_HD void operator()(int share) const {
+    T result = start;
+    for (int index = share; index < n; index += shares) result = operation(result, functor(index));
+    partial[share] = result;
+  }
 };
 
 /// Reduction of functor(index) with an operation that does not depend on the order (maximum, logical or, integer sum).
-/// On a GPU the results are stored first: the reduction's kernels would take in twenty copies of the functor each.
+/// On a GPU not by Thrust, whose kernels would take in twenty copies of the functor each, nor within a step.
 template <class T, class Functor, class Operation>
 T reduce(int n, Functor functor, T start, Operation operation) {
   if (n <= 0) return start;
 #if defined(TRACKBED_DEM_CUDA)
-  Vector<T> results(n);
-  launch(n, StoreResult<T, Functor>{functor, pointer(results)});
-  return thrust::reduce(policy(), results.begin(), results.end(), start, operation);
+  const int shares = n < 4096 ? n : 4096;
+  Vector<T> partial(shares);
+  launch(shares, ReduceShare<T, Functor, Operation>{functor, operation, start, pointer(partial), n, shares});
+  for (const T& share : download(partial)) start = operation(start, share);
+  return start;
 #else
   if (n <= serial_length) {
     for (int index = 0; index < n; ++index) start = operation(start, functor(index));

@@ -115,23 +115,27 @@ struct LeapBodies {
   const Vec3* inertia;
   const Vec3* listed;  // positions of spheres at which the list was built
   Phase phase;
+  bool pulled;  // see Leapfrog
 
-  TRACKBED_FLATTEN TRACKBED_HD double operator()(int b) const {
+  TRACKBED_FLATTEN TRACKBED_HD double operator()(int b) const { return pass(b, phase); }
+  TRACKBED_HD double pass(int b, const Phase& phase) const {
     const Vec3 centre = integrator.place[b].position;
     Quad &t = integrator.state.translation(b), &r = integrator.state.rotation(b);
     kernels::RigidRotation turning{orientation[b], r.vector};
     Pull p;
     if (phase.ends) {
       for (int s = carry.start[b]; s < carry.start[b + 1]; ++s) {
-        Pull one = read(sphere_pull, s);
+        const bool forces_in_pull = std::is_same_v<Forces, SummedForces> || pulled;
+        Pull one;
+        if (forces_in_pull) one = read(sphere_pull, s);
         forces.add(s, one);
         integrator.add_walls(s, one);
         p.force += one.force;
         p.torque += one.torque + cross(carry.sphere[s].position - centre, one.force);
         p.rolling += one.rolling;
-        sphere_pull.translation(s) = sphere_pull.rotation(s) = {};
+        if (forces_in_pull) sphere_pull.translation(s) = sphere_pull.rotation(s) = {};
       }
-      end_step(b, t, turning, p);
+      end_step(b, phase.ended, t, turning, p);
     } else {
       p = read(integrator.pull, b);
     }
@@ -167,8 +171,8 @@ struct LeapBodies {
   }
 
   /// As Integrator::end_step; leaves the acceleration and the torque (damping and rolling included) in `p`.
-  TRACKBED_HD void end_step(int b, Quad& t, kernels::RigidRotation& r, Pull& p) const {
-    const double ended = phase.ended, half = integrator.at_end * ended;
+  TRACKBED_HD void end_step(int b, double ended, Quad& t, kernels::RigidRotation& r, Pull& p) const {
+    const double half = integrator.at_end * ended;
     const double alpha = integrator.alpha, hold = 1 / (1 + alpha * half);
     const Vec3 free = t.number * p.force + integrator.gravity;
     t.vector = hold * (t.vector + half * free);

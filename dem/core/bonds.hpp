@@ -164,9 +164,10 @@ struct Bonds {
     thrust::stable_sort_by_key(policy(), grain.begin(), grain.end(), entry.begin());
   }
 
-  /// Forces at the present positions, added to the grains' pulls.
-  void press(Grains& grains, const Rows<const Quad>& state, const Vector<int>& body_of_sphere, double ended,
-             const Periods& periods) {
+  /// Forces at the present positions, added to the grains' pulls; each pass is started by launch(n, functor).
+  template <class Launch>
+  void press(const Launch& launch, Grains& grains, const Rows<const Quad>& state, const Vector<int>& body_of_sphere,
+             double ended, const Periods& periods) {
     launch(size(), BondPass{pointer(grains.place), state, pointer(body_of_sphere), pointer(end), pointer(row),
                             pointer(pull), pointer(ledger), ended, periods});
     launch(static_cast<int>(entry.size()),

@@ -121,27 +121,28 @@ struct SummedForces {
   TRACKBED_HD void add(int, Pull&) const {}
 };
 
-/// Sums the forces of a grain's contacts in a fixed order.
+/// Sums the forces of a grain's contacts in a fixed order, in double.
+template <class Real>
 struct GatheredForces {
   const Place* place;
   const int *own_start, *other_start, *other;  // contacts in which the grain is i: a range; is j: listed in `other`
-  const PairForce* pair_force;
-  const Vec3* couple;  // null: none
+  const PairForce<Real>* pair_force;
+  const Vector3<Real>* couple;  // null: none
 
   TRACKBED_HD void add(int g, Pull& p) const {
     const double radius = place[g].radius;
     for (int c = own_start[g]; c < own_start[g + 1]; ++c) {
-      const PairForce& f = pair_force[c];
-      p.force += f.force;
-      p.torque -= (radius - f.half_overlap) * f.moment;
-      if (couple) p.torque += couple[c];
+      const PairForce<Real>& f = pair_force[c];
+      p.force += as<double>(f.force);
+      p.torque -= (radius - f.half_overlap) * as<double>(f.moment);
+      if (couple) p.torque += as<double>(couple[c]);
       p.rolling += f.rolling;
     }
     for (int k = other_start[g]; k < other_start[g + 1]; ++k) {
-      const PairForce& f = pair_force[other[k]];
-      p.force -= f.force;
-      p.torque -= (radius - f.half_overlap) * f.moment;
-      if (couple) p.torque -= couple[other[k]];
+      const PairForce<Real>& f = pair_force[other[k]];
+      p.force -= as<double>(f.force);
+      p.torque -= (radius - f.half_overlap) * as<double>(f.moment);
+      if (couple) p.torque -= as<double>(couple[other[k]]);
       p.rolling += f.rolling;
     }
   }
@@ -154,9 +155,13 @@ struct Leapfrog {
   Forces forces;
   const Vec3* listed;  // positions at which the list was built
   Phase phase;
+  bool pulled;  // `pull` takes part in the forces; otherwise it holds accelerations only
 
-  TRACKBED_FLATTEN TRACKBED_HD double operator()(int g) const {
-    Pull p = integrator.read(g);
+  TRACKBED_FLATTEN TRACKBED_HD double operator()(int g) const { return pass(g, phase); }
+  TRACKBED_HD double pass(int g, const Phase& phase) const {
+    const bool forces_in_pull = std::is_same_v<Forces, SummedForces> || pulled;
+    Pull p;
+    if (forces_in_pull || !phase.ends) p = integrator.read(g);
     if (phase.ends) {
       forces.add(g, p);
       integrator.end_step(g, phase.ended, p);
@@ -166,7 +171,7 @@ struct Leapfrog {
       return 0;
     }
     const bool finite = integrator.begin_step(g, p);
-    integrator.write(g, {});
+    if (forces_in_pull) integrator.write(g, {});
     const double squared = norm2(integrator.place[g].position - listed[g]);
     return finite && squared < 1e100 ? squared : HUGE_VAL;
   }

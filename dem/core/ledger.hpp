@@ -97,23 +97,18 @@ struct SumImpulse {
   }
 };
 
-/// Force of the grains on a wall, and its torque about a point.
-struct SumWallForce {
-  const WallState* state;
-  const int *candidate, *grain_of;  // of each candidate: facet, grain
-  const Facet* facet;
-  const Place* place;
-  int wall;
-  Vec3 about;
-  TRACKBED_HD void operator()(int c, Sums<6>& s) const {
-    const WallState& t = state[c];
-    if (!(t.overlap > 0) || facet[candidate[c]].wall != wall) return;
-    const Place& p = place[grain_of[c]];
-    const Vec3 arm = p.position - (p.radius - t.overlap) * t.normal - about, torque = cross(arm, t.force);
-    for (int k = 0; k < 3; ++k) {
-      s.value[k] -= t.force[k];
-      s.value[3 + k] -= torque[k];
-    }
+/// The same for every wall at once, as Queue::launch_sums() wants it.
+struct SumImpulses {
+  SumImpulse sum;
+  Vec3* total;  // of the walls
+  TRACKBED_HD bool skip(int) const { return false; }
+  TRACKBED_HD void operator()(int wall, int candidate, Sums<3>& sums) const {
+    SumImpulse of_this = sum;
+    of_this.wall = wall;
+    of_this(candidate, sums);
+  }
+  TRACKBED_HD void finish(int wall, const Sums<3>& sums) const {
+    total[wall] = {sums.value[0], sums.value[1], sums.value[2]};
   }
 };
 

@@ -26,6 +26,17 @@ struct MoveToTarget {
   }
 };
 
+/// What a way to a target starts from.
+struct StartWay {
+  const Vec3 *position, *velocity;
+  Vec3 *from_position, *from_velocity;
+  int first;
+  TRACKBED_HD void operator()(int index) const {
+    from_position[first + index] = position[first + index];
+    from_velocity[first + index] = velocity[first + index];
+  }
+};
+
 /// Rigid translation; with velocity zero the wall stands still.
 struct MoveRigidly {
   Vec3 *position, *velocity, *displacement;

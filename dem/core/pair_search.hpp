@@ -111,6 +111,7 @@ struct LinkOthers {
 };
 
 /// The materials of a pair, and the history it had under the old list and numbering.
+template <class Real>
 struct CarryPairs {
   const int *first, *second;
   const int* material;
@@ -119,14 +120,14 @@ struct CarryPairs {
   const int* old_of_new;
   const int *old_start, *old_second;  // null: there was no list
   int old_rows;                       // own ones
-  const double* old_history;
-  double* history;
+  const Real* old_history;
+  Real* history;
   int old_stride, stride;                     // numbers per pair
   const kernels::PairParameters* parameters;  // .flips
   const ContactLedger* old_ledger;
   ContactLedger* ledger;
-  const PairForce* old_result;
-  PairForce* result;
+  const PairForce<Real>* old_result;
+  PairForce<Real>* result;
 
   TRACKBED_HD void operator()(int c) const {
     const int i = first[c], j = second[c];
@@ -148,7 +149,7 @@ struct CarryPairs {
     }
     const unsigned flips = parameters[material[i] * materials + material[j]].flips;
     for (int k = 0; k < stride && k < old_stride; ++k) {
-      const double kept = old_history[old * old_stride + k];
+      const Real kept = old_history[old * old_stride + k];
       history[c * stride + k] = a > b && (flips >> k & 1) ? -kept : kept;
     }
   }

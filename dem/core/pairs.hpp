@@ -3,27 +3,88 @@
 #include "dem/core/contact_pass.hpp"
 #include "dem/core/grains.hpp"
 #include "dem/core/pair_search.hpp"
+#include "dem/dem.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
+
+/// What the law leaves with the pairs, in the numbers that it is computed in.
+template <class Real>
+struct PairNumbers {
+  Vector<Real> history;  // history_stride numbers per pair
+  Vector<PairForce<Real>> result;
+  Vector<Vector3<Real>> couple;  // empty: none
+
+  std::size_t bytes() const { return bytes_of(history) + bytes_of(result) + bytes_of(couple); }
+};
 
 struct PairColumns {
   Vector<int> own_start, other_start, other;  // per grain
   Vector<int> first, second;                  // per pair
   Vector<int> second_row;                     // image that stands for the second; empty: no periods
   Vector<int> pair;                           // empty: one material
-  Vector<double> history;                     // history_stride numbers per pair
   int history_stride = 0;
-  Vector<PairForce> result;
-  Vector<Vec3> couple;           // empty: none
+  PairNumbers<double> full;      // the one or the other, by the precision
+  PairNumbers<float> mixed;      //
   Vector<ContactLedger> ledger;  // empty: not tracked
+
+  template <class Real>
+  PairNumbers<Real>& numbers() {
+    if constexpr (std::is_same_v<Real, float>)
+      return mixed;
+    else
+      return full;
+  }
+  template <class Real>
+  const PairNumbers<Real>& numbers() const {
+    return const_cast<PairColumns*>(this)->numbers<Real>();
+  }
 
   int size() const { return static_cast<int>(second.size()); }
   std::size_t bytes() const {
     return bytes_of(own_start) + bytes_of(other_start) + bytes_of(other) + bytes_of(first) + bytes_of(second) +
-           bytes_of(second_row) + bytes_of(pair) + bytes_of(history) + bytes_of(result) + bytes_of(couple) +
-           bytes_of(ledger);
+           bytes_of(second_row) + bytes_of(pair) + full.bytes() + mixed.bytes() + bytes_of(ledger);
+  }
+
+  /// Host copy of the histories.
+  std::vector<double> kept_numbers() const {
+    if (mixed.history.empty()) return download(full.history);
+    const auto kept = download(mixed.history);
+    return {kept.begin(), kept.end()};
+  }
+  /// Puts histories back, in the precision that the list has.
+  void keep_numbers(const std::vector<double>& kept) {
+    if (mixed.history.empty())
+      upload(kept, full.history);
+    else
+      upload(std::vector<float>(kept.begin(), kept.end()), mixed.history);
   }
 };
+
+/// Calls visit.operator()<Real>() with the numbers that contacts between grains are computed in.
+template <class Visit>
+decltype(auto) with_numbers(Precision precision, Visit&& visit) {
+  if (precision == Precision::mixed) return visit.template operator()<float>();
+  return visit.template operator()<double>();
+}
+
+template <class To, class From>
+void convert(PairNumbers<From>& from, PairNumbers<To>& to) {
+  const auto history = download(from.history);
+  upload(std::vector<To>(history.begin(), history.end()), to.history);
+  std::vector<PairForce<To>> results;
+  for (const auto& r : download(from.result))
+    results.push_back({as<To>(r.force), static_cast<To>(r.rolling), as<To>(r.moment), static_cast<To>(r.half_overlap)});
+  upload(results, to.result);
+  std::vector<Vector3<To>> couples;
+  for (const auto& c : download(from.couple)) couples.push_back(as<To>(c));
+  upload(couples, to.couple);
+  from = {};
+}
+/// A list that was kept in another precision.
+inline void convert(PairColumns& list, Precision precision) {
+  if (precision == Precision::mixed && !list.full.result.empty()) convert(list.full, list.mixed);
+  if (precision == Precision::full && !list.mixed.result.empty()) convert(list.mixed, list.full);
+}
 
 struct PairOptions {
   int materials = 1;
@@ -31,6 +92,7 @@ struct PairOptions {
   const kernels::PairParameters* parameters = nullptr;  // on the backend, materials × materials
   bool couples = false;                                 // some rolling model acts in the contact
   bool ledger = true;
+  Precision precision = Precision::full;
   ImageRows images{};
 };
 
@@ -45,6 +107,35 @@ struct FindImages {
     row[c] = images.row(second[c], periods.nearest(place[first[c]].position - place[second[c]].position));
   }
 };
+
+/// What the pairs of the new list had in the old one.
+template <class Real>
+void carry_pairs(const Grains& grains, const PairColumns& old, const PairOptions& options, PairColumns& list) {
+  auto& numbers = list.numbers<Real>();
+  const auto& had = old.numbers<Real>();
+  const int pairs = list.size();
+  numbers.result.resize(pairs);
+  if (options.couples) numbers.couple.resize(pairs);
+  numbers.history.resize(static_cast<std::size_t>(pairs) * options.history);
+  launch(pairs, CarryPairs<Real>{.first = pointer(list.first),
+                                 .second = pointer(list.second),
+                                 .material = pointer(grains.material),
+                                 .materials = options.materials,
+                                 .pair = pointer(list.pair),
+                                 .old_of_new = pointer(grains.old_of_new),
+                                 .old_start = pointer(old.own_start),
+                                 .old_second = pointer(old.second),
+                                 .old_rows = static_cast<int>(old.own_start.size()) - 1,
+                                 .old_history = pointer(had.history),
+                                 .history = pointer(numbers.history),
+                                 .old_stride = old.history_stride,
+                                 .stride = list.history_stride,
+                                 .parameters = options.parameters,
+                                 .old_ledger = pointer(old.ledger),
+                                 .ledger = pointer(list.ledger),
+                                 .old_result = pointer(had.result),
+                                 .result = pointer(numbers.result)});
+}
 
 /// A new list for grains sorted by bucket; histories come from `old`, whose numbering grains.old_of_new refers to.
 inline PairColumns build_pairs(const Grains& grains, const PairSearch& search, const PairColumns& old,
@@ -68,30 +159,10 @@ inline PairColumns build_pairs(const Grains& grains, const PairSearch& search, c
     launch(pairs, FindImages{search.periods, options.images, pointer(grains.place), pointer(list.first),
                              pointer(list.second), pointer(list.second_row)});
   }
-  list.result.resize(pairs);
-  if (options.couples) list.couple.resize(pairs);
   if (options.materials > 1) list.pair.resize(pairs);
   list.history_stride = options.history;
-  list.history.resize(static_cast<std::size_t>(pairs) * options.history);
   if (options.ledger) list.ledger.resize(pairs);
-  launch(pairs, CarryPairs{.first = pointer(list.first),
-                           .second = pointer(list.second),
-                           .material = pointer(grains.material),
-                           .materials = options.materials,
-                           .pair = pointer(list.pair),
-                           .old_of_new = pointer(grains.old_of_new),
-                           .old_start = pointer(old.own_start),
-                           .old_second = pointer(old.second),
-                           .old_rows = static_cast<int>(old.own_start.size()) - 1,
-                           .old_history = pointer(old.history),
-                           .history = pointer(list.history),
-                           .old_stride = old.history_stride,
-                           .stride = list.history_stride,
-                           .parameters = options.parameters,
-                           .old_ledger = pointer(old.ledger),
-                           .ledger = pointer(list.ledger),
-                           .old_result = pointer(old.result),
-                           .result = pointer(list.result)});
+  with_numbers(options.precision, [&]<class Real>() { carry_pairs<Real>(grains, old, options, list); });
   return list;
 }
 

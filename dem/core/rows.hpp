@@ -26,6 +26,11 @@ struct Rows {
   TRACKBED_HD Row& translation(int g) const { return row[parts * g]; }
   TRACKBED_HD Row& rotation(int g) const { return row[2 * g + 1]; }
 };
+/// The same vector in other numbers.
+template <class To, class From>
+TRACKBED_HD inline Vector3<To> as(const Vector3<From>& v) {
+  return {static_cast<To>(v.x), static_cast<To>(v.y), static_cast<To>(v.z)};
+}
 struct GrainLedger {
   double loss_rolling = 0;  // [J]
   double loss_damping = 0;  // [J]
@@ -36,12 +41,13 @@ enum Trouble : int { overlap_too_large = 1, too_many_wall_contacts = 2 };
 
 // ---- pairs of grains
 /// Force on i; j gets the opposite. Each grain's arm is -(radius - half_overlap) normal: both forces act at one point,
-/// so linear and angular momentum of the pair are kept to rounding.
-struct alignas(64) PairForce {
-  Vec3 force{};             // [N]
-  double rolling = 0;       // [N m] resistance limit e_c |F_n|
-  Vec3 moment{};            // [N] normal × force
-  double half_overlap = 0;  // [m] 0: no contact
+/// so linear and angular momentum of the pair are kept to rounding. Real: what the law is computed in.
+template <class Real>
+struct alignas(8 * sizeof(Real)) PairForce {
+  Vector3<Real> force{};   // [N]
+  Real rolling = 0;        // [N m] resistance limit e_c |F_n|
+  Vector3<Real> moment{};  // [N] normal × force
+  Real half_overlap = 0;   // [m] 0: no contact
 };
 struct ContactLedger {
   double loss_friction = 0, loss_damping = 0;    // [J] since the last flush

@@ -6,6 +6,7 @@
 #include "dem/contact_step.hpp"
 #include "dem/core/bodies.hpp"
 #include "dem/core/bonds.hpp"
+#include "dem/core/control.hpp"
 #include "dem/core/ghosts.hpp"
 #include "dem/core/leapfrog.hpp"
 #include "dem/core/ledger.hpp"
@@ -89,10 +90,28 @@ class System final : public Simulation {
   std::vector<Grain> body_grains() const;
   void set_bodies(std::span<const Grain>);
   void carry_spheres();
-  template <class Forces>
-  double leap_bodies(const Integrator&, const Forces&, const Phase&);
+  template <class Forces, class Visit>
+  void with_body_leap(const Integrator&, const Forces&, const Visit&);
+  // system_queue.hpp
+  bool queues() const;
+  void advance_queued(int n, double dt);
+  void start_steps(Control&);
+  void look(Control&);
+  void send_free_control(double dt, int step);
+  void queue_step(double dt);
+  void queue_motion(double dt, int nodes);
+  void queue_rest_of_step(double dt);
+  void queue_forces(const kernels::Interval&, double ended);
+  void queue_end(double dt, double ended);
+  template <class Launch>
+  void press_bonds(const Launch&, double ended);
+  void send_nodes(NodeRows, std::span<const Vec3>, Vec3* to, int first);
+  void fetch_impulses();
+  void fetch_node_impulse() const;
   // system_advance.hpp
+  void advance_by_steps(int n, double dt);
   void prepare(double dt);
+  int met_trouble() const { return first_of(control_).met(); }
   bool keeps_grain_ledger() const { return setup_.track_energy && (alpha_ > 0 || brakes_); }
   void rebuild(double share);
   void adapt_skin();
@@ -103,6 +122,10 @@ class System final : public Simulation {
   void with_scene_law(const Visit&) const;
   template <class Law>
   WallPass<Law> wall_pass(const kernels::Interval&, double ended);
+  template <class Real>
+  GatheredForces<Real> gathered_forces();
+  template <class Forces, class Visit>
+  void with_leap(double dt, const Forces&, const Visit&);
   double leap(const Phase&, double dt);
   void book_removed_walls();
   void feel_walls();
@@ -194,7 +217,14 @@ class System final : public Simulation {
   Vector<double> density_;
   Vector<kernels::PairParameters> grain_parameters_, wall_parameters_;
   std::vector<kernels::PairParameters> grain_parameters_host_, wall_parameters_host_;
-  Vector<int> trouble_;
+  mutable Queue queue_;
+  Vector<Control> control_;    // one
+  Vector<DrivenWall> driven_;  // in a window of queued steps, where walls move
+  Vector<int> wall_bodies_;    // the ones of these that are bodies
+  std::vector<int> wall_bodies_host_;
+  HostRows<Control> control_host_;
+  HostRows<DrivenWall> driven_host_;
+  HostRows<Vec3> sent_nodes_;
 #if !defined(TRACKBED_DEM_CUDA)
   SweepLists sweep_lists_;
 #endif
@@ -217,8 +247,12 @@ class System final : public Simulation {
   double gravity_reference_ = 0;      // [J]
   std::optional<double> taken_away_;  // [J] elastic energy before walls were removed, until the next forces
   bool gravity_referenced_ = false;
-  mutable std::vector<Vec3> node_impulse_host_;
-  mutable bool node_impulse_current_ = false;
+  mutable Vector<Vec3> node_impulse_;  // [N s] of the last advance()
+  mutable HostRows<Vec3> node_impulse_host_;
+  mutable bool node_impulse_is_here_ = false;
+  Vector<Vec3> wall_impulse_;  // [N s] on grains, without the flushed part
+  HostRows<Vec3> wall_impulse_host_;
+  bool wall_impulse_is_here_ = false;
 };
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM

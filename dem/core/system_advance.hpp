@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "dem/core/system_bodies.hpp"
+#include "dem/core/system_queue.hpp"
 #include "dem/core/system_reach.hpp"
 #include "dem/core/system_slabs.hpp"
 
@@ -11,13 +12,22 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 inline void System::advance(int n, double dt) {
   base::require_internal(n >= 0 && dt > 0, "advance needs a positive step");
   [[maybe_unused]] const ThreadsFor threads(grains_.size());
-  node_impulse_current_ = false;
-  walls_.begin_advance(n * dt);
+  node_impulse_is_here_ = wall_impulse_is_here_ = false;
+  walls_.begin_advance(n * dt, [this](const auto&... arguments) { send_nodes(arguments...); });
   if (!ghosts_.next_cuts.empty()) ghosts_.cuts = std::exchange(ghosts_.next_cuts, {});
   clear(near_walls_.impulse);
   clear(near_walls_.nodal);
   last_dt_ = dt;
   prepare(dt);
+  if (queues())
+    advance_queued(n, dt);
+  else
+    advance_by_steps(n, dt);
+  time_ += n * dt;
+}
+
+/// The host looks at every step: it sweeps, or other parts must be asked.
+inline void System::advance_by_steps(int n, double dt) {
   int trouble = 0;  // in company all parts stop together: after the next leap
   for (int k = 1; k <= n; ++k) {
     if (walls_.any()) walls_.move(k, n, dt, setup_.gravity);
@@ -28,14 +38,13 @@ inline void System::advance(int n, double dt) {
     move_ghosts();
     relist(std::sqrt(squared), static_cast<double>(k) / n);
     evaluate(interval(dt), dt);
-    trouble = first_of(trouble_);
+    trouble = met_trouble();
     if (trouble && !in_company()) stop_unstable(trouble, k * dt);
     if (walls_.bodies()) finish_walls(dt);
   }
   if (in_company() && over_parts(trouble) > 0) stop_unstable(trouble, n * dt);
   if (n > 0) leap({.ends = true, .ended = dt, .begins = false}, dt);
   move_images();
-  time_ += n * dt;
 }
 
 inline kernels::Interval System::interval(double dt) const {
@@ -62,8 +71,9 @@ inline void System::prepare(double dt) {
     // The histories are half a step ahead: taken back to this instant, and ahead again for the step to come.
     clear(grains_.pull);
     move_ghosts();
+    if (!sweeps()) send_free_control(dt, 1);
     evaluate({-last_ahead_, interval(dt).ahead}, 0);
-    const int trouble = first_of(trouble_);
+    const int trouble = met_trouble();
     if (over_parts(trouble) > 0) stop_unstable(trouble, 0);
     if (walls_.bodies()) feel_walls();
     leap({.ends = true, .ended = 0, .begins = false}, dt);
@@ -183,6 +193,7 @@ inline void System::rebuild(double share) {
                             .parameters = pointer(grain_parameters_),
                             .couples = couples_,
                             .ledger = setup_.track_energy,
+                            .precision = setup_.precision,
                             .images = images_.rows()});
     }
     if (walls_.any())
@@ -321,18 +332,19 @@ void System::with_scene_law(const Visit& visit) const {
     visit.template operator()<kernels::HertzMindlin>();
 }
 
-template <class Law>
-ContactPass<Law> contact_pass(const Grains& grains, PairColumns& pairs, const kernels::PairParameters* parameters,
-                              int* unstable, double maximum_overlap, const kernels::Interval& time) {
+template <class Law, class Real>
+ContactPass<Law, Real> contact_pass(const Grains& grains, PairColumns& pairs, const kernels::PairParameters* parameters,
+                                    int* unstable, double maximum_overlap, const kernels::Interval& time) {
+  auto& numbers = pairs.numbers<Real>();
   return {.geometry = {pointer(grains.place), grains.motions()},
           .first = pointer(pairs.first),
           .second = pairs.second_row.empty() ? pointer(pairs.second) : pointer(pairs.second_row),
           .pair = pointer(pairs.pair),
           .parameters = parameters,
-          .history = pointer(pairs.history),
+          .history = pointer(numbers.history),
           .history_stride = pairs.history_stride,
-          .result = pointer(pairs.result),
-          .couple = pointer(pairs.couple),
+          .result = pointer(numbers.result),
+          .couple = pointer(numbers.couple),
           .ledger = pointer(pairs.ledger),
           .unstable = unstable,
           .maximum_overlap = maximum_overlap,
@@ -362,7 +374,7 @@ WallPass<Law> System::wall_pass(const kernels::Interval& time, double ended) {
           .nodal_rows = walls_.nodal_rows(),
           .ledger = pointer(near_walls_.ledger),
           .passed = pointer(near_walls_.passed),
-          .unstable = pointer(trouble_),
+          .unstable = pointer(control_)->trouble,
           .maximum_overlap = setup_.maximum_overlap,
           .time = time,
           .dt = ended};
@@ -394,30 +406,42 @@ void System::sweep_pairs(const kernels::Interval& time, const Walls& walls) {
   totals_.loss_friction += sweep_sums_.loss_friction;
   totals_.loss_contact_damping += sweep_sums_.loss_damping;
   totals_.loss_rolling += sweep_sums_.loss_rolling;
-  if (sweep_sums_.overlap_too_large) trouble_[0] = overlap_too_large;
+  if (sweep_sums_.overlap_too_large) pointer(control_)->trouble[0] = overlap_too_large;
 }
 #endif
 
 /// Forces at the present positions, added to grains_.pull or left with the pairs; the step that ends took `ended`.
 inline void System::evaluate(const kernels::Interval& time, double ended) {
-  move_images();
-  with_scene_law([&]<class Law>() {
-    const auto walls = wall_pass<Law>(time, ended);
 #if !defined(TRACKBED_DEM_CUDA)
-    if (sweeps()) return sweep_pairs(time, walls);
+  if (sweeps()) {
+    move_images();
+    with_scene_law([&]<class Law>() { sweep_pairs(time, wall_pass<Law>(time, ended)); });
+    press_bonds([](int n, const auto& pass) { launch(n, pass); }, ended);
+  }
 #endif
-    launch(pairs_.size(), contact_pass<Law>(grains_, pairs_, pointer(grain_parameters_), pointer(trouble_),
-                                            setup_.maximum_overlap, time));
-    launch(near_walls_.near_grains(), walls);
-  });
-  if (bonds_.any())
-    bonds_.press(grains_, bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(),
-                 bodies_.of_sphere, ended, periods_);
+  if (!sweeps()) queue_forces(time, ended);
   last_ahead_ = time.ahead;
 }
 
-/// One pass of the integrator; returns the largest squared displacement since the list was made.
-inline double System::leap(const Phase& phase, double dt) {
+/// Each pass is started by launch(n, functor).
+template <class Launch>
+void System::press_bonds(const Launch& launch_pass, double ended) {
+  if (bonds_.any())
+    bonds_.press(launch_pass, grains_,
+                 bodies_.any() ? std::as_const(bodies_).states() : std::as_const(grains_).states(), bodies_.of_sphere,
+                 ended, periods_);
+}
+
+template <class Real>
+GatheredForces<Real> System::gathered_forces() {
+  auto& numbers = pairs_.numbers<Real>();
+  return {pointer(grains_.place), pointer(pairs_.own_start), pointer(pairs_.other_start),
+          pointer(pairs_.other),  pointer(numbers.result),   pointer(numbers.couple)};
+}
+
+/// Calls visit(number of grains, pass of the integrator over them).
+template <class Forces, class Visit>
+void System::with_leap(double dt, const Forces& forces, const Visit& visit) {
   const bool verlet = setup_.time_scheme == TimeScheme::velocity_verlet;
   const Integrator integrator{.place = pointer(grains_.place),
                               .state = grains_.states(),
@@ -432,16 +456,31 @@ inline double System::leap(const Phase& phase, double dt) {
                               .dt = dt,
                               .at_start = verlet ? 0.5 : 1,
                               .at_end = verlet ? 0.5 : 0};
-  const Vec3* listed = pointer(grains_.listed);
-  const int n = grains_.size();
+  if (bodies_.any()) return with_body_leap(integrator, forces, visit);
+  visit(grains_.size(), Leapfrog<Forces>{integrator, forces, pointer(grains_.listed), {}, bonds_.any()});
+}
+
+/// One pass of the integrator, outside a window; returns the largest squared displacement since the list was made.
+inline double System::leap(const Phase& phase, double dt) {
 #if !defined(TRACKBED_DEM_CUDA)
-  if (bodies_.any() && sweeps()) return leap_bodies(integrator, SummedForces{}, phase);
-  if (sweeps()) return reduce(n, Leapfrog<SummedForces>{integrator, {}, listed, phase}, 0.0, thrust::maximum<double>());
+  if (sweeps()) {
+    double squared = 0;
+    with_leap(dt, SummedForces{}, [&](int n, auto pass) {
+      pass.phase = phase;
+      squared = reduce(n, pass, 0.0, thrust::maximum<double>());
+    });
+    return squared;
+  }
 #endif
-  const GatheredForces forces{pointer(grains_.place), pointer(pairs_.own_start), pointer(pairs_.other_start),
-                              pointer(pairs_.other),  pointer(pairs_.result),    pointer(pairs_.couple)};
-  if (bodies_.any()) return leap_bodies(integrator, forces, phase);
-  return reduce(n, Leapfrog<GatheredForces>{integrator, forces, listed, phase}, 0.0, thrust::maximum<double>());
+  if (!phase.begins) {
+    queue_end(dt, phase.ended);
+    return 0;
+  }
+  send_free_control(dt, phase.ends ? 2 : 1);
+  queue_motion(dt, 0);
+  queue_.fetch(pointer(control_), control_host_.data(), 1);
+  queue_.wait();
+  return number_of(control_host_.data()->moved);
 }
 
 /// Finds the grain to blame and says where it is. Called once, at the end of a run.
@@ -460,10 +499,11 @@ inline void System::stop_unstable(int trouble, double dt) const {
     std::snprintf(text, sizeof text, format, value);
   };
   if (trouble == overlap_too_large) {
-    each_contact([&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3&, const Vec3&) {
-      const double smaller = std::fmin(place[i].radius, place[j].radius);
-      accuse(i, meeting.touch.overlap / smaller, "overlap with another grain is %.3g of the smaller radius");
-    });
+    each_contact(
+        [&](int i, int j, const Meeting<double>& meeting, const kernels::PairParameters&, const Vec3&, const Vec3&) {
+          const double smaller = std::fmin(place[i].radius, place[j].radius);
+          accuse(i, meeting.touch.overlap / smaller, "overlap with another grain is %.3g of the smaller radius");
+        });
     const auto grain = download(near_walls_.grain), start = download(near_walls_.start);
     const auto state = download(near_walls_.state);
     for (std::size_t w = 0; w < grain.size(); ++w)

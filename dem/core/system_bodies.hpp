@@ -161,24 +161,24 @@ inline void System::set_bodies(std::span<const Grain> changed) {
   carry_spheres();
 }
 
-/// One pass of the integrator over bodies.
-template <class Forces>
-double System::leap_bodies(const Integrator& spheres, const Forces& forces, const Phase& phase) {
+/// Calls visit(number of bodies, pass of the integrator over them).
+template <class Forces, class Visit>
+void System::with_body_leap(const Integrator& spheres, const Forces& forces, const Visit& visit) {
   Integrator integrator = spheres;
   integrator.place = pointer(bodies_.place);
   integrator.state = bodies_.states();
   integrator.pull = bodies_.pulls();
   const CarrySpheres carry{pointer(bodies_.start), pointer(bodies_.offset), pointer(grains_.place), grains_.motions()};
-  return kernels::with_rotation_scheme(setup_.rotation_scheme, [&](auto scheme) {
-    const LeapBodies<Forces, decltype(scheme)> leap{integrator,
-                                                    grains_.pulls(),
-                                                    forces,
-                                                    carry,
-                                                    pointer(bodies_.orientation),
-                                                    pointer(bodies_.inertia),
-                                                    pointer(grains_.listed),
-                                                    phase};
-    return reduce(bodies_.size(), leap, 0.0, thrust::maximum<double>());
+  kernels::with_rotation_scheme(setup_.rotation_scheme, [&](auto scheme) {
+    visit(bodies_.size(), LeapBodies<Forces, decltype(scheme)>{integrator,
+                                                               grains_.pulls(),
+                                                               forces,
+                                                               carry,
+                                                               pointer(bodies_.orientation),
+                                                               pointer(bodies_.inertia),
+                                                               pointer(grains_.listed),
+                                                               {},
+                                                               bonds_.any()});
   });
 }
 

@@ -165,10 +165,13 @@ inline void System::flush_impulses() {
 
 inline Vec3 System::wall_impulse_on_grains(int wall) const {
   require_wall(wall);
+  const Vec3 flushed = walls_.walls[wall].impulse;
+  if (wall_impulse_is_here_ && wall < static_cast<int>(wall_impulse_.size()))
+    return flushed + wall_impulse_host_.data()[wall];
   const auto sum = ordered_sum<3>(
       near_walls_.size(),
       SumImpulse{pointer(near_walls_.impulse), pointer(near_walls_.candidate), pointer(walls_.facets), wall});
-  return walls_.walls[wall].impulse + Vec3{sum.value[0], sum.value[1], sum.value[2]};
+  return flushed + Vec3{sum.value[0], sum.value[1], sum.value[2]};
 }
 
 inline void System::nodal_impulse(int wall, std::span<Vec3> impulse) const {
@@ -176,16 +179,11 @@ inline void System::nodal_impulse(int wall, std::span<Vec3> impulse) const {
   const HostWall& w = walls_.walls[wall];
   base::require_internal(walls_.rows_host[wall].nodal, "nodal impulses are kept for meshes with a target only");
   base::require_internal(impulse.size() == static_cast<std::size_t>(w.nodes), "impulse of another mesh");
-  if (!node_impulse_current_) {
-    Vector<Vec3> total = walls_.node_impulse;
-    if (!near_walls_.nodal.empty())
-      launch(static_cast<int>(total.size()),
-             GatherNodes{pointer(near_walls_.node_start), pointer(near_walls_.node_entry), pointer(near_walls_.nodal),
-                         pointer(total)});
-    node_impulse_host_ = download(total);
-    node_impulse_current_ = true;
+  if (!node_impulse_is_here_) {
+    fetch_node_impulse();
+    queue_.wait();
   }
-  std::copy_n(node_impulse_host_.begin() + w.first_node, w.nodes, impulse.begin());
+  std::copy_n(node_impulse_host_.data() + w.first_node, w.nodes, impulse.begin());
 }
 
 // ---- contacts
@@ -202,7 +200,7 @@ void System::each_contact(Visit&& visit) const {
   const PairGeometry geometry{place.data(), {motion.data(), grains_.parts}};
   const int materials = static_cast<int>(setup_.materials.size());
   const auto look = [&](int i, int row, const double* kept, int numbers) {
-    Meeting meeting;
+    Meeting<double> meeting;
     if (!geometry.meet(i, row, meeting)) return;
     const int image = owner.empty() ? -1 : row - images_.first, j = image < 0 ? row : owner[image];
     double history[maximum_numbers] = {};
@@ -228,7 +226,7 @@ void System::each_pair(Visit&& visit) const {
 #endif
   const auto first = download(pairs_.first);
   const auto second = download(pairs_.second_row.empty() ? pairs_.second : pairs_.second_row);
-  const auto history = download(pairs_.history);
+  const auto history = pairs_.kept_numbers();
   for (std::size_t c = 0; c < first.size(); ++c)
     visit(first[c], second[c], history.data() + c * pairs_.history_stride, pairs_.history_stride);
 }
@@ -250,12 +248,12 @@ inline std::vector<GrainContact> System::grain_contacts() const {
   const auto place = download(grains_.place);
   const auto ids = row_ids();
   std::vector<GrainContact> contacts;
-  each_contact(
-      [&](int i, int j, const Meeting& meeting, const kernels::PairParameters&, const Vec3& force, const Vec3& period) {
-        if (is_elsewhere(i, j, ids)) return;
-        contacts.push_back(
-            {ids[i], ids[j], place[i].position, place[j].position + period, force, meeting.touch.overlap, period});
-      });
+  each_contact([&](int i, int j, const Meeting<double>& meeting, const kernels::PairParameters&, const Vec3& force,
+                   const Vec3& period) {
+    if (is_elsewhere(i, j, ids)) return;
+    contacts.push_back(
+        {ids[i], ids[j], place[i].position, place[j].position + period, force, meeting.touch.overlap, period});
+  });
   return contacts;
 }
 
@@ -285,7 +283,7 @@ inline Counts System::counts() const {
   counts.spheres = grains_.size();
   counts.wall_candidates = near_walls_.size();
   const auto ids = row_ids();
-  each_contact([&](int i, int j, const Meeting&, const kernels::PairParameters&, const Vec3&, const Vec3&) {
+  each_contact([&](int i, int j, const Meeting<double>&, const kernels::PairParameters&, const Vec3&, const Vec3&) {
     counts.contacts += !is_elsewhere(i, j, ids);
   });
   counts.candidate_pairs = pairs_.size();
@@ -415,7 +413,7 @@ inline StableStep System::contact_stable_step() const {
   };
   std::vector<GrainSpring> springs = bond_springs();
   each_contact(
-      [&](int i, int j, const Meeting& m, const kernels::PairParameters& parameters, const Vec3&, const Vec3&) {
+      [&](int i, int j, const Meeting<double>& m, const kernels::PairParameters& parameters, const Vec3&, const Vec3&) {
         auto s = spring_of(parameters, m.touch.effective_radius, m.touch.effective_mass, m.touch.overlap);
         s.normal = m.touch.normal;
         attach(s, i, -m.arm_i * s.normal);

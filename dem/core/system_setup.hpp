@@ -2,6 +2,7 @@
 // What a simulation is made of, and what is changed between two calls of advance().
 #include <unordered_map>
 
+#include "dem/core/system_queue.hpp"
 #include "dem/core/system_slabs.hpp"
 #include "dem/law_parameters.hpp"
 
@@ -13,15 +14,11 @@ inline System::System(const Setup& setup, Backend backend) : setup_(setup), back
   base::require_user(setup.interactions.size() == materials * materials,
                      "dem: interactions must be a square table, materials x materials");
   base::require_user(setup.skin >= 0 && setup.maximum_overlap > 0, "dem: skin and maximum overlap must be positive");
-  base::require_user(
-      setup.precision == Precision::full || sweeps(),
-      "dem: mixed precision is for the processor's vectors: not on a GPU, nor with contacts taken one by "
-      "one; use double precision there");
   for (const Period& along : setup.periods) base::require_user(along.length >= 0, "dem: a period must not be negative");
   periods_ = periods_of(setup.periods);
   join_company();
   grains_.parts = setup.rotations ? 2 : 1;
-  upload(std::vector<int>{0}, trouble_);
+  upload(std::vector<Control>(1), control_);
   upload_parameters();
 }
 
@@ -300,7 +297,8 @@ inline void System::set_mesh_target(int wall, std::span<const Vec3> positions, s
   require_wall(wall);
   const std::size_t nodes = walls_.walls[wall].nodes;
   base::require_internal(positions.size() == nodes && velocities.size() == nodes, "target of another mesh");
-  if (walls_.set_target(wall, positions, velocities, way)) list_is_stale_ = true;
+  const auto send = [this](const auto&... arguments) { send_nodes(arguments...); };
+  if (walls_.set_target(wall, positions, velocities, way, send)) list_is_stale_ = true;
 }
 
 inline void System::know_mesh_nodes(int wall, std::span<const int> nodes, std::span<const int> fresh,

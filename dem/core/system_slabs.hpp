@@ -605,7 +605,7 @@ inline void System::recall_pairs(const RowOfKey& row) {
   std::vector<double> columns;
   std::vector<int> start, second;
   if (!sweeps()) {
-    columns = download(pairs_.history);
+    columns = pairs_.kept_numbers();
     start = download(pairs_.own_start);
     second = download(pairs_.second);
   }
@@ -635,7 +635,7 @@ inline void System::recall_pairs(const RowOfKey& row) {
     changed = true;
   }
   if (!changed) return;
-  upload(columns, pairs_.history);
+  pairs_.keep_numbers(columns);
   upload(ledger, pairs_.ledger);
 }
 

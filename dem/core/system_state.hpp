@@ -98,9 +98,12 @@ void walk_pairs(Self& pairs, Walk& walk) {
   walk.rows("pairs/second", pairs.second);
   walk.rows("pairs/second_row", pairs.second_row);
   walk.rows("pairs/pair", pairs.pair);
-  walk.rows("pairs/history", pairs.history);
-  walk.rows("pairs/result", pairs.result);
-  walk.rows("pairs/couple", pairs.couple);
+  walk.rows("pairs/history", pairs.full.history);
+  walk.rows("pairs/result", pairs.full.result);
+  walk.rows("pairs/couple", pairs.full.couple);
+  walk.rows("pairs/short_history", pairs.mixed.history);
+  walk.rows("pairs/short_result", pairs.mixed.result);
+  walk.rows("pairs/short_couple", pairs.mixed.couple);
   walk.rows("pairs/ledger", pairs.ledger);
 }
 
@@ -198,7 +201,8 @@ inline void System::load(const base::Columns& columns) {
   const bool stale = list_is_stale_;
   upload_parameters();
   list_is_stale_ = stale;
-  node_impulse_current_ = false;
+  node_impulse_is_here_ = wall_impulse_is_here_ = false;
+  convert(pairs_, setup_.precision);
 #if !defined(TRACKBED_DEM_CUDA)
   if (sweeps() && !sweep_lists_.go_on(sweep_layout(), images_, periods_)) list_is_stale_ = true;
 #endif

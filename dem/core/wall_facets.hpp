@@ -3,6 +3,7 @@
 // of the second order (base/skin.hpp) only finds that face, which is then touched itself (kernels/face_geometry.hpp).
 #include "dem/core/rows.hpp"
 #include "dem/kernels/face_geometry.hpp"
+#include "dem/laws.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -30,7 +31,7 @@ struct WallGeometry {
   /// Nearest point of a facet, if nearer than `reach` and on the side that the wall works on. Where the facet is a part
   /// of a face: of the face, and the weights are its coordinates r, s there and the corners (their numbers in the face)
   /// between which the point lies, -1 for none.
-  TRACKBED_HD kernels::FacetContact nearest(int f, const Vec3& centre, double reach) const {
+  TRACKBED_ONE_FUNCTION TRACKBED_HD kernels::FacetContact nearest(int f, const Vec3& centre, double reach) const {
     const Facet& t = facet[f];
     const WallRow& w = wall[t.wall];
     kernels::FacetContact contact;

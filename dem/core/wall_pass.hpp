@@ -49,7 +49,7 @@ struct WallPass {
   int nodal_rows;       // per candidate
   WallLedger* ledger;   // null: not tracked
   Passed* passed;       // null: not tracked, or no mesh is coupled
-  int* unstable;
+  int* unstable;        // two: overlap, number of contacts
   double maximum_overlap;
   kernels::Interval time;
   double dt;  // [s] of the step that ends now; 0: forces at the start
@@ -108,7 +108,7 @@ struct WallPass {
       const auto contact = geometry.nearest(candidate[c], p.position, p.radius);
       if (contact.feature == kernels::Feature::none) continue;
       if (found.number == maximum_wall_contacts) {
-        *unstable = too_many_wall_contacts;
+        unstable[1] = too_many_wall_contacts;
         break;
       }
       if (geometry.part && known(candidate[c], p.position - contact.point, found)) continue;
@@ -192,7 +192,7 @@ struct WallPass {
     Vec3 normal = plane ? wall.plane_normal : Vec3{0, 0, 1};
     if (length > 0) normal = (side / length) * vector;
 
-    Meeting meeting;
+    Meeting<double> meeting;
     kernels::Touch<double>& touch = meeting.touch;
     touch.overlap = overlap;
     touch.effective_radius = p.radius;
@@ -290,6 +290,15 @@ struct GatherNodes {
     Vec3 total;
     for (int k = start[node]; k < start[node + 1]; ++k) total += nodal[entry[k] / 4].node[entry[k] % 4];
     impulse[node] += total;
+  }
+};
+/// The same on top of what has been flushed, which stays.
+struct SumNodes {
+  const Vec3* flushed;
+  GatherNodes gather;  // .start null: no candidates
+  TRACKBED_HD void operator()(int node) const {
+    gather.impulse[node] = flushed[node];
+    if (gather.start) gather(node);
   }
 };
 

@@ -6,32 +6,21 @@
 #include "base/error.hpp"
 #include "dem/core/columns.hpp"
 #include "dem/core/grains.hpp"
-#include "dem/core/motion.hpp"
-#include "dem/core/wall_body.hpp"
+#include "dem/core/wall_drive.hpp"
 #include "dem/core/wall_pass.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
-enum class WallMotion { fixed, rigid, target, body };
-
-struct HostWall {
-  int first_node = 0, nodes = 0, first_facet = 0, facets = 0;
-  WallMotion motion = WallMotion::fixed;
-  bool fresh_target = false;            // set since the last advance()
-  Vec3 velocity{};                      // [m/s] of a rigid motion
-  Vec3 rigid_shift{};                   // [m] since the last list build
-  Vec3 moved{};                         // [m] by rigid motions so far
-  std::vector<Vec3> from{}, to{};       // [m] of the present target motion, on the host
-  MeshWay way = MeshWay::line;          // of it
-  std::vector<Vec3> leaves{};           // [m/s] at its start, on a parabola
-  std::vector<Vec3> bow{};              // [m] of a parabola, see MoveToTarget; while it is on its way
-  std::vector<Vec3> listed{};           // [m] at the last list build
-  std::vector<int> unknown{};           // per node: 1 where targets are not true; empty: nowhere
-  std::vector<Face> faces{};            // of the second order, by nodes of this wall
-  double shift_from = 0, shift_to = 0;  // [m] farthest that it has come since the list build, at the ends of the way
-  double largest_bow = 0;               // [m]
-  std::optional<MovingBody> body{};     // of WallMotion::body
-  Vec3 impulse{};                       // [N s] on grains in the present advance(), flushed part
+struct HostWall : WallWay {
+  int first_facet = 0, facets = 0;
+  std::vector<Vec3> from{}, to{};    // [m] of the present target motion, on the host
+  std::vector<Vec3> leaves{};        // [m/s] at its start, on a parabola
+  std::vector<Vec3> bow{};           // [m] of a parabola, see MoveToTarget; while it is on its way
+  std::vector<Vec3> listed{};        // [m] at the last list build
+  std::vector<int> unknown{};        // per node: 1 where targets are not true; empty: nowhere
+  std::vector<Face> faces{};         // of the second order, by nodes of this wall
+  std::optional<MovingBody> body{};  // of WallMotion::body
+  Vec3 impulse{};                    // [N s] on grains in the present advance(), flushed part
 };
 
 inline double largest_distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
@@ -52,6 +41,9 @@ inline double largest_shift(const HostWall& wall, const std::vector<Vec3>& a, co
   return largest_distance(a, b) + bent;
 }
 
+/// Rows of nodes that are sent to the backend for a way to a target.
+enum NodeRows { target_places, target_velocities, parabola_bows, parabola_starts, parabola_ends, kinds_of_node_rows };
+
 class Walls {
  public:
   std::vector<HostWall> walls;
@@ -63,6 +55,7 @@ class Walls {
   Vector<Face> faces;
   Vector<int> planes;  // facets that are planes
   Vector<Vec3> position;
+  Vector<int> wall_of_node;
   Vector<Vec3> velocity, displacement;                                  // empty while nothing has moved
   Vector<Vec3> from_position, from_velocity, to_position, to_velocity;  // empty without target motions
   Vector<Vec3> bow;                                                     // [m] of nodes on parabolas; empty without any
@@ -73,6 +66,10 @@ class Walls {
   bool nodal() const {
     return std::any_of(rows_host.begin(), rows_host.end(), [](const WallRow& row) { return row.nodal; });
   }
+  bool moving() const {
+    return std::any_of(walls.begin(), walls.end(),
+                       [](const HostWall& w) { return w.motion != WallMotion::fixed || w.largest_bow > 0; });
+  }
   int nodal_rows() const { return faces.empty() ? 1 : 2; }
   WallGeometry geometry() const {
     return {pointer(facets), pointer(rows), pointer(position), pointer(parts), pointer(faces)};
@@ -82,10 +79,11 @@ class Walls {
   int add(const WallRow& row, const std::vector<Vec3>& nodes, std::vector<Facet> mesh,
           std::vector<Face> second_order = {}, std::vector<FacePart> made_of = {}) {
     const int number = static_cast<int>(walls.size());
-    HostWall wall{.first_node = static_cast<int>(position.size()),
-                  .nodes = static_cast<int>(nodes.size()),
-                  .first_facet = static_cast<int>(facets.size()),
-                  .facets = static_cast<int>(mesh.size())};
+    HostWall wall;
+    wall.first_node = static_cast<int>(position.size());
+    wall.nodes = static_cast<int>(nodes.size());
+    wall.first_facet = static_cast<int>(facets.size());
+    wall.facets = static_cast<int>(mesh.size());
     for (Facet& f : mesh) {
       f.wall = number;
       for (int& node : f.node)
@@ -93,6 +91,7 @@ class Walls {
     }
     if (mesh.size() == 1 && mesh[0].node[1] < 0) append(planes, std::vector<int>{wall.first_facet});
     append(position, nodes);
+    append(wall_of_node, std::vector<int>(nodes.size(), number));
     append(facets, mesh);
     wall.faces = second_order;
     add_faces(wall, second_order, made_of);
@@ -134,9 +133,7 @@ class Walls {
     allocate_motion();
     forget_target(wall);
     stop(wall);
-    MovingBody body;
-    body.is = is;
-    body.state.centre = is.centre;
+    MovingBody body(is);
     std::vector<Vec3> offsets(w.nodes);
     thrust::copy(position.begin() + w.first_node, position.begin() + w.first_node + w.nodes, offsets.begin());
     for (Vec3& offset : offsets) {
@@ -156,8 +153,11 @@ class Walls {
     return std::any_of(walls.begin(), walls.end(), [](const HostWall& w) { return w.motion == WallMotion::body; });
   }
 
-  /// Returns true when this is the first target of the wall, from which on its nodal impulses are kept.
-  bool set_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities, MeshWay way) {
+  /// Returns true when this is the first target of the wall, from which on its nodal impulses are kept. Rows of nodes
+  /// go to the backend by send(kind, rows, where to); two copies of one kind to the same place may overtake each other.
+  template <class Send>
+  bool set_target(int wall, std::span<const Vec3> positions, std::span<const Vec3> velocities, MeshWay way,
+                  const Send& send) {
     HostWall& w = walls[wall];
     allocate_motion();
     w.way = way;
@@ -185,8 +185,8 @@ class Walls {
       w.to[n] = w.from[n];
       speeds[n] = {};
     }
-    thrust::copy(w.to.begin(), w.to.end(), to_position.begin() + w.first_node);
-    thrust::copy(speeds.begin(), speeds.end(), to_velocity.begin() + w.first_node);
+    send(target_places, w.to, pointer(to_position), w.first_node);
+    send(target_velocities, speeds, pointer(to_velocity), w.first_node);
     if (way == MeshWay::parabola) {
       w.leaves = std::move(speeds);
       bow.resize(position.size());
@@ -242,7 +242,8 @@ class Walls {
   }
 
   /// duration: of the advance that begins [s].
-  void begin_advance(double duration) {
+  template <class Send>
+  void begin_advance(double duration, const Send& send) {
     for (std::size_t k = 0; k < walls.size(); ++k) {
       HostWall& w = walls[k];
       w.impulse = {};
@@ -253,9 +254,9 @@ class Walls {
         continue;
       }
       w.fresh_target = false;
-      copy_range(position, from_position, w);
-      copy_range(velocity, from_velocity, w);
-      if (w.way == MeshWay::parabola) begin_parabola(w, duration);
+      launch(w.nodes, StartWay{pointer(position), pointer(velocity), pointer(from_position), pointer(from_velocity),
+                               w.first_node});
+      if (w.way == MeshWay::parabola) begin_parabola(w, duration, send);
     }
     clear(node_impulse);
   }
@@ -268,8 +269,7 @@ class Walls {
       } else if (w.motion == WallMotion::rigid) {
         launch(w.nodes,
                MoveRigidly{pointer(position), pointer(velocity), pointer(displacement), w.first_node, w.velocity, dt});
-        w.rigid_shift += dt * w.velocity;
-        w.moved += dt * w.velocity;
+        w.move_rigidly(dt);
       } else if (w.motion == WallMotion::target) {
         launch(w.nodes, MoveToTarget{pointer(position), pointer(velocity), pointer(displacement),
                                      pointer(from_position), pointer(from_velocity), pointer(to_position),
@@ -279,15 +279,10 @@ class Walls {
     }
   }
 
-  /// Bound of the largest displacement of any wall since the list build. The nodes of a target motion move on straight
-  /// lines, along which a distance is convex, or beside them by at most s (1 - s) bow.
+  /// Bound of the largest displacement of any wall since the list build.
   double shift(double share) const {
     double largest = 0;
-    for (const HostWall& w : walls) {
-      const bool target = w.motion == WallMotion::target;
-      const double way = target && !w.fresh_target ? (1 - share) * w.shift_from + share * w.shift_to : w.shift_from;
-      largest = std::max(largest, way + share * (1 - share) * w.largest_bow + norm(w.rigid_shift));
-    }
+    for (const HostWall& w : walls) largest = std::max(largest, w.shift(share));
     return largest;
   }
 
@@ -309,6 +304,25 @@ class Walls {
       w.shift_from = largest_shift(w, w.from, w.listed);
       w.shift_to = largest_shift(w, w.to, w.listed);
     }
+  }
+
+  /// As the backend moves them, and back from there.
+  void write_drives(DrivenWall* drives) const {
+    for (std::size_t k = 0; k < walls.size(); ++k) {
+      drives[k] = {walls[k], {}, {}};
+      if (walls[k].body) drives[k].body = *walls[k].body;
+    }
+  }
+  void read_drives(const DrivenWall* drives) {
+    for (std::size_t k = 0; k < walls.size(); ++k) {
+      static_cast<WallWay&>(walls[k]) = drives[k];
+      if (walls[k].body) walls[k].body = drives[k].body;
+    }
+  }
+  WallNodes nodes() {
+    return {pointer(wall_of_node),  pointer(position),      pointer(velocity),    pointer(displacement),
+            pointer(from_position), pointer(from_velocity), pointer(to_position), pointer(to_velocity),
+            pointer(bow),           pointer(body_offset)};
   }
 
   void upload_rows() {
@@ -356,7 +370,7 @@ class Walls {
 
   std::size_t bytes() const {
     std::size_t total = bytes_of(rows) + bytes_of(facets) + bytes_of(parts) + bytes_of(faces) + bytes_of(planes) +
-                        bytes_of(body_offset);
+                        bytes_of(wall_of_node) + bytes_of(body_offset);
     for (const auto* v : {&position, &velocity, &displacement, &from_position, &from_velocity, &to_position,
                           &to_velocity, &node_impulse, &bow})
       total += bytes_of(*v);
@@ -405,7 +419,8 @@ class Walls {
     launch(w.nodes, MoveBody{pointer(position), pointer(velocity), pointer(displacement), pointer(body_offset),
                              w.first_node, seen.centre, seen.velocity, seen.angular_velocity, seen.orientation});
   }
-  void begin_parabola(HostWall& w, double duration) {
+  template <class Send>
+  void begin_parabola(HostWall& w, double duration, const Send& send) {
     w.bow.resize(w.nodes);
     std::vector<Vec3> arrives(w.nodes);
     for (int k = 0; k < w.nodes; ++k) {
@@ -413,9 +428,9 @@ class Walls {
       arrives[k] = duration > 0 ? w.leaves[k] - (2 / duration) * w.bow[k] : w.leaves[k];
       w.largest_bow = std::max(w.largest_bow, norm(w.bow[k]));
     }
-    thrust::copy(w.bow.begin(), w.bow.end(), bow.begin() + w.first_node);
-    thrust::copy(w.leaves.begin(), w.leaves.end(), from_velocity.begin() + w.first_node);
-    thrust::copy(arrives.begin(), arrives.end(), to_velocity.begin() + w.first_node);
+    send(parabola_bows, w.bow, pointer(bow), w.first_node);
+    send(parabola_starts, w.leaves, pointer(from_velocity), w.first_node);
+    send(parabola_ends, arrives, pointer(to_velocity), w.first_node);
   }
   /// Facets of a wall with nodes that are not known are found by no grain.
   void find_live(const HostWall& w) {
@@ -434,10 +449,6 @@ class Walls {
   void allocate_motion() {
     velocity.resize(position.size());
     displacement.resize(position.size());
-  }
-  void copy_range(const Vector<Vec3>& from, Vector<Vec3>& to, const HostWall& w) {
-    const auto first = from.begin() + w.first_node;
-    thrust::copy(policy(), first, first + w.nodes, to.begin() + w.first_node);
   }
   void mark(int wall, bool moves, bool interface) {
     WallRow& row = rows_host[wall];

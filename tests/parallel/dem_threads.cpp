@@ -10,6 +10,7 @@
 
 #include "dem/dem.hpp"
 #include "dem/laws.hpp"
+#include "tests/dem_backend.hpp"
 
 namespace {
 
@@ -64,7 +65,7 @@ Outcome run(const Case& c) {
   setup.interactions.assign(4, pair);
   setup.gravity = {0, 0, -9.81};
   setup.lanes = c.lanes;
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   const auto grains = bed();
   sim->add_grains(grains);
   std::vector<dem::Bond> bonds;

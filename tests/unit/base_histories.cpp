@@ -150,8 +150,9 @@ TEST(Histories, AxlesStartFromExactlyZeroWithTheRamp) {
 }
 
 TEST(Histories, Messages) {
-  EXPECT_EQ(error_of({{"kind", text("stp")}, {"value", number(1)}}),
-            "history.kind = \"stp\"; must be one of: constant, step, ramp, table, formula, axles; did you mean \"step\"?");
+  EXPECT_EQ(
+      error_of({{"kind", text("stp")}, {"value", number(1)}}),
+      "history.kind = \"stp\"; must be one of: constant, step, ramp, table, formula, axles; did you mean \"step\"?");
   EXPECT_EQ(error_of({{"kind", text("axles")}}, "Pa"),
             "history.kind = \"axles\"; must be one of: constant, step, ramp, table, formula");
   EXPECT_EQ(error_of({{"kind", text("table")}}), "x.toml:3: history; has no points; give times and values, or file");

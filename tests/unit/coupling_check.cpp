@@ -69,7 +69,6 @@ TEST(Check, PrecisionIsNamed) {
   expect_in(check_of(one_grain, {{"grains.precision", "mixed"}}),
             "precision: mixed: contacts between grains in single");
   expect_in(check_of(one_grain, {{"grains.precision", "single"}}), "grains.precision = \"single\"");
-  expect_in(check_of(one_grain, {{"grains.precision", "mixed"}}, "cuda"), "--backend cuda");
 }
 
 TEST(Check, LawsAreNamedPairByPair) {

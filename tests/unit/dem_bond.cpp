@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 using base::Vec3;
 using namespace dem::kernels;
@@ -156,7 +157,7 @@ TEST(Bond, MistakesAreNamed) {
   dem::Setup setup;
   setup.materials = {{"stone", 1e9, 0.25, 2500}};
   setup.interactions = {{0.5, 1, 0}};
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   const std::array<dem::Sphere, 2> two{dem::Sphere{{-0.01, 0, 0}, 0.015}, dem::Sphere{{0.01, 0, 0}, 0.015}};
   const int dumbbell = sim->add_shape(dem::make_clump(two));
   sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, 0}, .radius = radius, .id = 3},

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 namespace {
 
@@ -27,7 +28,7 @@ dem::Clump dumbbell() {
 std::vector<dem::Grain> heap(bool clumps, int lanes, base::Energy* energy) {
   auto setup = setup_of(0.5, 0.6);
   setup.lanes = lanes;
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   const std::array<dem::Sphere, 1> one{dem::Sphere{{0.1, 0.2, 0.3}, 0.01}};
   if (clumps) sim->add_shape(dem::make_clump(one));
   sim->add_plane({{0, 0, 0}, {0.1, 0, 1}}, 0);
@@ -66,7 +67,7 @@ TEST(DemClumpMotion, ClumpOfOneSphereIsTheSphere) {
 
 // Without torque the centre falls on a parabola, and spin about a principal axis stays.
 TEST(DemClumpMotion, FreeFlightKeepsSpin) {
-  const auto sim = dem::Simulation::create(setup_of(0.5, 0.6), dem::Backend::omp);
+  const auto sim = dem_test::create(setup_of(0.5, 0.6));
   const auto shape = dumbbell();
   sim->add_shape(shape);
   sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, 1},
@@ -97,7 +98,7 @@ TEST(DemClumpMotion, ObliqueRebound) {
   setup.materials[0].young_modulus = 1e10;  // a contact of 0.3 ms, during which it hardly turns
   setup.gravity = {};
   setup.interactions[0].rolling_friction = 0;
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   const auto shape = dumbbell();
   sim->add_shape(shape);
   sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
@@ -125,7 +126,7 @@ TEST(DemClumpMotion, ObliqueRebound) {
 double ledger_error(double step) {
   auto setup = setup_of(0.5, 0.6);
   setup.skin = 2e-4;
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   const auto shape = dumbbell();
   sim->add_shape(shape);
   sim->add_plane({{0, 0, 0}, {0.2, 0, 1}}, 0);

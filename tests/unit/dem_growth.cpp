@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 namespace {
 
@@ -15,7 +16,7 @@ std::unique_ptr<dem::Simulation> simulation(int lanes) {
   setup.materials = {{"stone", 1e7, 0.25, 2500}};
   setup.interactions = {{0.5, 0.7, 0}};
   setup.lanes = lanes;
-  return dem::Simulation::create(setup, dem::Backend::omp);
+  return dem_test::create(setup);
 }
 
 // Two spheres of 10 mm with 8 mm between them, out of each other's lists; at 1.5 times their size they overlap by 2 mm.

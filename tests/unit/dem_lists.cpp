@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 namespace {
 
@@ -38,7 +39,7 @@ TEST(DemLists, CandidatesEqualTheDoubleLoop) {
     auto setup = setup_of(0.5);
     setup.skin = 0.004;
     setup.maximum_overlap = 10;
-    const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+    const auto sim = dem_test::create(setup);
     auto grains = cloud(200, side, 1);
     grains.push_back(
         {.position = {1e6, -3e5, 20}, .radius = 0.02, .id = 1});  // far away: shares a bucket with somebody
@@ -62,7 +63,7 @@ std::vector<dem::Grain> heap_after(double skin, std::int64_t* rebuilds) {
   auto setup = setup_of(0.5);
   setup.skin = skin;
   setup.gravity = {3, 0, -9.81};
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
   sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, 0.0199}, .radius = 0.02, .id = 5},
                                           {.position = {0.0396, 0, 0.02}, .radius = 0.02, .id = 2},
@@ -87,7 +88,7 @@ TEST(DemLists, HistorySurvivesListBuilds) {
 
 // A fast grain and a moving wall must find what they run into, however thick the skin was chosen.
 TEST(DemLists, MovingWallIsFound) {
-  const auto sim = dem::Simulation::create(setup_of(0), dem::Backend::omp);
+  const auto sim = dem_test::create(setup_of(0));
   const int plane = sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
   base::Skin sheet;
   sheet.nodes = {{-1, -1, 1}, {-1, 1, 1}, {1, 1, 1}, {1, -1, 1}};
@@ -111,7 +112,7 @@ TEST(DemLists, WithoutFrictionAndWallsNothingIsKeptForThem) {
       auto setup = setup_of(variant == 0 ? 0 : 0.5);
       setup.track_energy = variant == 2;
       setup.lanes = lanes;
-      const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+      const auto sim = dem_test::create(setup);
       sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, 0}, .radius = 0.02, .id = 1},
                                               {.position = {0.039, 0, 0}, .radius = 0.02, .id = 2}});
       sim->advance(1, 1e-6);
@@ -136,7 +137,7 @@ std::string message_of(const std::function<void()>& run) {
 TEST(DemLists, BrokenStatesStopTheRun) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int variant = 0; variant < 3; ++variant) {
-    const auto sim = dem::Simulation::create(setup_of(0.5), dem::Backend::omp);
+    const auto sim = dem_test::create(setup_of(0.5));
     std::vector<dem::Grain> grains{{.position = {0, 0, 0}, .radius = 0.02, .id = 41},
                                    {.position = {1, 0, 0}, .radius = 0.02, .id = 42}};
     (variant == 0 ? grains[1].position : variant == 1 ? grains[1].velocity : grains[1].angular_velocity).y = nan;
@@ -148,7 +149,7 @@ TEST(DemLists, BrokenStatesStopTheRun) {
   auto setup = setup_of(0.5);
   setup.maximum_overlap = 0.3;
   for (const double overlap : {0.29, 0.31}) {
-    const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+    const auto sim = dem_test::create(setup);
     sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
     sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, 0.02 * (1 - overlap)}, .radius = 0.02, .id = 8}});
     const auto text = message_of([&] { sim->advance(1, 1e-6); });
@@ -161,7 +162,7 @@ TEST(DemLists, NoContactsBetweenRemovalAndTheNextStep) {
   dem::Setup setup;
   setup.materials = {{"stone", 1e8, 0.25, 2500}};
   setup.interactions = {{0.5, 0.5, 0}};
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
   std::vector<dem::Grain> row;
   for (int k = 0; k < 4; ++k) row.push_back({.position = {0.0399 * k, 0, 0.01999}, .radius = 0.02, .id = k});

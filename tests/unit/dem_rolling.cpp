@@ -6,6 +6,7 @@
 
 #include "dem/dem.hpp"
 #include "dem/kernels/rolling.hpp"
+#include "tests/dem_backend.hpp"
 
 using base::Vec3;
 using namespace dem::kernels;
@@ -74,7 +75,7 @@ TEST(Rolling, LimitOfTwoGrainsIsThatOfTheSmallerOne) {
     const dem::Interaction grains{1e-9, 1, eta}, smooth{};
     setup.interactions = {grains, smooth, smooth, smooth};
     setup.lanes = lanes;
-    const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+    const auto sim = dem_test::create(setup);
     const double apart = large + small - overlap;
     sim->add_grains(
         std::vector<dem::Grain>{{.position = {0, 0, 0}, .radius = large, .angular_velocity = {0, 0, 10}, .id = 0},

@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 namespace {
 
@@ -30,7 +31,7 @@ base::Skin plate(double half_length, double half_width, double height) {
 }
 
 TEST(DemWallBody, FallsFreelyWhereItMay) {
-  const auto sim = dem::Simulation::create(setup_of(0.5, 0.5), dem::Backend::omp);
+  const auto sim = dem_test::create(setup_of(0.5, 0.5));
   const int wall = sim->add_mesh(plate(0.1, 0.1, 1), 0, true);
   sim->set_wall_body(wall, {.centre = {0, 0, 1}, .mass = 3, .moves = {true, false, true}});
   sim->set_wall_load(wall, {6, 5, 0}, {});
@@ -49,7 +50,7 @@ TEST(DemWallBody, FallsFreelyWhereItMay) {
 // A plate without weight pressed on one sphere with F: Hertz's overlap on both sides, (3 F / 4 E* sqrt(R))^(2/3) above
 // and with the sphere's weight more below.
 TEST(DemWallBody, GuidedPlateHoldsItsForce) {
-  const auto sim = dem::Simulation::create(setup_of(0.5, 0.3), dem::Backend::omp);
+  const auto sim = dem_test::create(setup_of(0.5, 0.3));
   const double radius = 0.02, force = 20;
   sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
   sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, radius}, .radius = radius, .id = 1}});
@@ -74,7 +75,7 @@ TEST(DemWallBody, FreeBarStrikesWithItsEnd) {
   auto setup = setup_of(0, 1);
   setup.materials[0].young_modulus = 1e10;
   setup.gravity = {};
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   const double radius = 0.02, lever = 0.08, mass = 0.5, inertia = 2e-3, drop = 1e-6;
   sim->add_grains(
       std::vector<dem::Grain>{{.position = {lever, 0, 0}, .radius = radius, .velocity = {0, 0, 0.1}, .id = 1}});
@@ -100,7 +101,7 @@ TEST(DemWallBody, FreeBarStrikesWithItsEnd) {
 TEST(DemWallBody, DrivenPlateSlidesUnderItsLoad) {
   auto setup = setup_of(0.4, 0.3);
   setup.rotations = false;
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   const double radius = 0.02, force = 30, speed = 0.05, mass = 0.5;
   sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
   for (int side : {-1, 1}) {
@@ -132,7 +133,7 @@ TEST(DemWallBody, DrivenPlateSlidesUnderItsLoad) {
 TEST(DemWallBody, RemovedWallTakesItsEnergyAlong) {
   auto setup = setup_of(0.4, 1);
   setup.gravity = {};
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   const double radius = 0.02;
   sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
   const int lid = sim->add_plane({{0, 0, 2 * radius - 4e-6}, {0, 0, -1}}, 0);
@@ -155,7 +156,7 @@ TEST(DemWallBody, LightPlateLimitsTheStep) {
   setup.gravity = {};
   setup.rotations = false;
   const double radius = 0.02, overlap = 1e-6, plate_mass = 0.005;
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
   sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, radius - overlap}, .radius = radius, .id = 1}});
   const int wall = sim->add_mesh(plate(0.1, 0.1, 2 * radius - 2 * overlap), 0, false);
@@ -173,7 +174,7 @@ TEST(DemWallBody, LightPlateLimitsTheStep) {
 }
 
 TEST(DemWallBody, RefusesWhatCannotMove) {
-  const auto sim = dem::Simulation::create(setup_of(0, 1), dem::Backend::omp);
+  const auto sim = dem_test::create(setup_of(0, 1));
   const int plane = sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0), mesh = sim->add_mesh(plate(1, 1, 1), 0, false);
   const auto text = [&](int wall, const dem::WallBody& body) -> std::string {
     try {

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 using base::Vec3;
 using dem::Grain;
@@ -37,7 +38,7 @@ std::unique_ptr<dem::Simulation> simulation(const Choice& choice = {}) {
   setup.lanes = choice.lanes;
   setup.skin = choice.skin;
   setup.track_energy = choice.ledger;
-  return dem::Simulation::create(setup, dem::Backend::omp);
+  return dem_test::create(setup);
 }
 
 // ---- two spheres whose surfaces are 1 mm apart, along x: no contact acts

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 namespace {
 
@@ -37,7 +38,7 @@ double ledger_error(Floor floor, double rolling, double damping) {
   setup.materials = {{"stone", 5e6, 0.2, 2700}};
   setup.interactions = {{0.5, 0.5, rolling}};
   setup.gravity = {0, 0, -9.81};
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   sim->set_grain_damping(damping);
   std::mt19937 random(11);
   std::uniform_real_distribution<double> shift(-0.003, 0.003), radius(0.015, 0.021);
@@ -107,7 +108,7 @@ TEST(DemEnergy, GasKeepsMomentumAndAngularMomentum) {
   dem::Setup setup;
   setup.materials = {{"a", 1e7, 0.2, 2700}, {"b", 4e7, 0.3, 1500}};
   setup.interactions.assign(4, {0.5, 0.6, 0});
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> shift(-0.003, 0.003), radius(0.012, 0.022), speed(-3, 3);
   std::vector<dem::Grain> grains;
@@ -146,7 +147,7 @@ TEST(DemEnergy, FastImpactCloses) {
   dem::Setup setup;
   setup.materials = {{"stone", 5e9, 0.2, 2700}};
   setup.interactions = {{0.5, 0.5, 0}};
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
   std::vector<dem::Grain> grains;
   for (int k = 0; k < 9; ++k)

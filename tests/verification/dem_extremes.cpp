@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 namespace {
 
@@ -33,7 +34,7 @@ std::string outcome(dem::Simulation& sim, int steps, double dt) {
 // its e; 0.94 R for ballast softened to 0.24 GPa, which Hertz no longer describes: stopped.
 TEST(Extremes, HundredMetresPerSecond) {
   for (const double modulus : {50e9, 0.24e9}) {
-    const auto sim = dem::Simulation::create(setup_of(modulus, 0.5), dem::Backend::omp);
+    const auto sim = dem_test::create(setup_of(modulus, 0.5));
     sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
     sim->add_grains(
         std::vector<dem::Grain>{{.position = {0.3, 0, 0.021}, .radius = 0.02, .velocity = {0, 0, -100}, .id = 77}});
@@ -53,7 +54,7 @@ TEST(Extremes, HundredMetresPerSecond) {
 // A dust grain of 0.1 mm falls on a sphere of 1 m and rebounds with its e: the neighbour search finds it, and the
 // masses (1e12 : 1) lose no digit that matters.
 TEST(Extremes, SizeRatioOfTenThousand) {
-  const auto sim = dem::Simulation::create(setup_of(1e9, 0.7), dem::Backend::omp);
+  const auto sim = dem_test::create(setup_of(1e9, 0.7));
   sim->add_grains(
       std::vector<dem::Grain>{{.position = {0, 0, 0}, .radius = 1, .id = 1},
                               {.position = {0, 0, 1 + 1.02e-4}, .radius = 1e-4, .velocity = {0, 0, -0.1}, .id = 2}});
@@ -66,7 +67,7 @@ TEST(Extremes, SizeRatioOfTenThousand) {
 // d^2.5; at 31 % the run stops before its first step.
 TEST(Extremes, ThirtyPercentOverlapAtTheStart) {
   for (const double share : {0.29, 0.31}) {
-    const auto sim = dem::Simulation::create(setup_of(1e8, 1), dem::Backend::omp);
+    const auto sim = dem_test::create(setup_of(1e8, 1));
     const double radius = 0.02, overlap = share * radius;
     sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, 0}, .radius = radius, .id = 5},
                                             {.position = {2 * radius - overlap, 0, 0}, .radius = radius, .id = 6}});
@@ -86,7 +87,7 @@ TEST(Extremes, ThirtyPercentOverlapAtTheStart) {
 
 // No box bounds the grains: one that flies off is still there, and costs its neighbours nothing.
 TEST(Extremes, AGrainFliesAway) {
-  const auto sim = dem::Simulation::create(setup_of(1e8, 0.5), dem::Backend::omp);
+  const auto sim = dem_test::create(setup_of(1e8, 0.5));
   sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, 0}, .radius = 0.02, .velocity = {1e5, 0, 0}, .id = 1},
                                           {.position = {0, 0.05, 0}, .radius = 0.02, .id = 2}});
   EXPECT_EQ(outcome(*sim, 1000, 1e-3), "went on");
@@ -101,7 +102,7 @@ TEST(Extremes, StepOfLinearSprings) {
     auto setup = setup_of(1e9, 1);
     setup.interactions[0] = {0, 1, 0, "linear"};
     setup.interactions[0].normal_stiffness = 1e5;
-    const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+    const auto sim = dem_test::create(setup);
     std::vector<dem::Grain> line;
     for (int k = 0; k < 5; ++k) line.push_back({.position = {0.0398 * k, 0, 0}, .radius = 0.02, .id = k});
     line[0].velocity = {0.1, 0, 0};

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 namespace {
 
@@ -73,7 +74,7 @@ dem::Setup smooth_setup() {
 class Feeler {
  public:
   Feeler(const Skin& skin, double radius) : radius_(radius) {
-    simulation_ = dem::Simulation::create(smooth_setup(), dem::Backend::omp);
+    simulation_ = dem_test::create(smooth_setup());
     simulation_->add_mesh(skin, 0, false);
     const dem::Grain grain{.position = {0, 0, 1e3}, .radius = radius_};
     simulation_->add_grains({&grain, 1});
@@ -136,7 +137,7 @@ TEST(DemFaces, SpringsAtNodesFollowTheShapeFunctions) {
     return Vec3{0.1 * u, 0.1 * v, 0};
   });
   const auto springs = [](const Skin& of) {
-    const auto simulation = dem::Simulation::create(smooth_setup(), dem::Backend::omp);
+    const auto simulation = dem_test::create(smooth_setup());
     const int wall = simulation->add_mesh(of, 0, false);
     const dem::Grain grain{.position = {0.05, 0.05, ball - overlap}, .radius = ball};
     simulation->add_grains({&grain, 1});
@@ -190,7 +191,7 @@ TEST(DemFaces, SlidingToRollingOnADistortedFlatSkin) {
     dem::Setup setup = smooth_setup();
     setup.interactions = {{0.3, 0.4, 0}};
     setup.gravity = {0, 0, -9.81};
-    const auto simulation = dem::Simulation::create(setup, dem::Backend::omp);
+    const auto simulation = dem_test::create(setup);
     simulation->add_mesh(skin, 0, false);
     const dem::Grain grain{.position = {0, 0.1, 0.3 - 2e-5}, .radius = 0.3, .velocity = {5, 0, 0}};
     simulation->add_grains({&grain, 1});
@@ -219,7 +220,7 @@ TEST(DemFaces, FoldsOfPlaneFacesAsThoseOfFacets) {
     dem::Setup setup = smooth_setup();
     setup.interactions = {{0.3, 0.6, 0}};
     setup.gravity = {0, 0, -9.81};
-    const auto simulation = dem::Simulation::create(setup, dem::Backend::omp);
+    const auto simulation = dem_test::create(setup);
     simulation->add_mesh(skin, 0, false);
     const dem::Grain grain{.position = start, .radius = 0.2, .velocity = {0.1, 0.05, -1}};
     simulation->add_grains({&grain, 1});
@@ -252,7 +253,7 @@ TEST(DemFaces, ShakingSkinGivesWhatItsNodesReceive) {
     setup.interactions = {{0.5, 0.5, 0.1}};
     setup.gravity = {0, 0, -9.81};
     const double side = 0.25, dt = 4e-5;
-    const auto simulation = dem::Simulation::create(setup, dem::Backend::omp);
+    const auto simulation = dem_test::create(setup);
     std::mt19937 random(11);
     std::uniform_real_distribution<double> shift(-0.003, 0.003), radius(0.015, 0.021);
     std::vector<dem::Grain> grains;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 using base::Vec3;
 
@@ -44,7 +45,7 @@ struct Outcome {
 
 /// A sphere that just touches the plane z = 0 and flies at it; `wall` may differ from the sphere's material.
 Outcome against_plane(const dem::Setup& setup, double radius, Vec3 velocity, Vec3 spin) {
-  auto simulation = dem::Simulation::create(setup, dem::Backend::omp);
+  auto simulation = dem_test::create(setup);
   const auto& material = setup.materials[0];
   simulation->add_plane({{0, 0, 0}, {0, 0, 1}}, 1);
   const dem::Grain start{{0, 0, radius}, radius, velocity, spin, 0, 1};
@@ -75,7 +76,7 @@ TEST(Impact, TwoSpheresHeadOn) {
   const double radius = 0.01, speed = 10;
   for (const Case& c : {Case{{"glass", 48e9, 0.2, 2800}, 274.1127e-6, 10.69689e3, 40.3395e-6},
                         Case{{"limestone", 20e9, 0.25, 2500}, 368.3040e-6, 7.10824e3, 54.2010e-6}}) {
-    auto simulation = dem::Simulation::create(setup_of(c.material, c.material, {0.35, 1, 0}), dem::Backend::omp);
+    auto simulation = dem_test::create(setup_of(c.material, c.material, {0.35, 1, 0}));
     const dem::Grain grains[] = {{{-radius, 0, 0}, radius, {speed, 0, 0}, {}, 0, 1},
                                  {{radius, 0, 0}, radius, {-speed, 0, 0}, {}, 0, 2}};
     simulation->add_grains(grains);
@@ -163,7 +164,7 @@ TEST(Impact, SpinningSphere) {
 // Oblique collision of two unlike spheres with everything switched on: momentum to rounding, energy ledger to 1e-5.
 TEST(Impact, LedgerClosesBetweenSpheres) {
   const dem::Material stone{"stone", 1e9, 0.25, 2500};
-  auto simulation = dem::Simulation::create(setup_of(stone, stone, {0.4, 0.6, 0}), dem::Backend::omp);
+  auto simulation = dem_test::create(setup_of(stone, stone, {0.4, 0.6, 0}));
   const dem::Grain grains[] = {{{-0.01, 0, 0}, 0.01, {1, 0.4, 0}, {0, 10, 40}, 0, 1},
                                {{0.02, 0, 0}, 0.02, {-0.5, 0, 0.3}, {5, 0, -20}, 0, 2}};
   simulation->add_grains(grains);

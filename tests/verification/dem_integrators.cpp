@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 using base::Vec3;
 using dem::TimeScheme;
@@ -20,7 +21,7 @@ std::unique_ptr<dem::Simulation> simulation(TimeScheme scheme, double restitutio
   setup.interactions = {{friction, restitution, 0}};
   setup.gravity = {0, 0, -9.81};
   setup.time_scheme = scheme;
-  return dem::Simulation::create(setup, dem::Backend::omp);
+  return dem_test::create(setup);
 }
 
 constexpr double radius = 0.02;

@@ -10,6 +10,7 @@
 #include "dem/clump.hpp"
 #include "dem/dem.hpp"
 #include "dem/measure/stress.hpp"
+#include "tests/dem_backend.hpp"
 
 using base::Vec3;
 using dem::Grain;
@@ -39,7 +40,7 @@ std::unique_ptr<dem::Simulation> simulation(const Choice& choice = {}) {
   setup.gravity = choice.gravity;
   for (int axis = 0; axis < 3; ++axis)
     if (choice.periodic[axis]) setup.periods[axis] = {low, side};
-  return dem::Simulation::create(setup, dem::Backend::omp);
+  return dem_test::create(setup);
 }
 
 /// The nearest image of a difference of places.
@@ -234,7 +235,7 @@ TEST(Periodic, TooShort) {
   setup.materials = {{"stone", 1e7, 0.25, density}};
   setup.interactions = {{0.5, 0.8, 0}};
   setup.periods[1] = {0, 0.11};
-  const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  const auto sim = dem_test::create(setup);
   const Grain grain{.position = {0, 0.05, 0}, .radius = 0.03, .id = 0};
   sim->add_grains({&grain, 1});
   try {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 namespace {
 
@@ -29,7 +30,7 @@ std::unique_ptr<dem::Simulation> rolling_sphere(const std::string& model, double
   setup.interactions = {pair};
   setup.gravity = {-gravity * std::sin(slope), 0, -gravity * std::cos(slope)};
   setup.maximum_overlap = 0.5;
-  auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+  auto sim = dem_test::create(setup);
   sim->add_plane({{0, 0, 0}, {0, 0, 1}}, plane_fixed);
   sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, radius}, .radius = radius, .id = 1}});
   // "Its movement in x is restrained" until it rests: gravity across the plane alone.
@@ -140,7 +141,7 @@ TEST(MultipleContact, RestsWithinTwoAndAHalfSeconds) {
     setup.interactions = {{0.3, 0.4, 0}};
     setup.gravity = {0, 0, -gravity};
     setup.maximum_overlap = 0.5;
-    const auto sim = dem::Simulation::create(setup, dem::Backend::omp);
+    const auto sim = dem_test::create(setup);
     const double rim = 0.25 / std::cos(std::numbers::pi / sides);  // edges 0.25 m from the axis
     sim->add_mesh(holed_plane(sides, rim, 0.1, 0.3), 0, false);
     sim->add_grains(std::vector<dem::Grain>{{.position = {0.02, 0.01, 0.6}, .radius = 0.3, .id = 1}});

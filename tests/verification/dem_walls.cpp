@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dem/dem.hpp"
+#include "tests/dem_backend.hpp"
 
 using base::Skin;
 using base::Vec3;
@@ -66,7 +67,7 @@ Skin pyramid() {
 /// Benchmark 4.5.4: 5 m/s on a plane, one second. Steps of 1e-6 s, as in the source, change the eleventh digit.
 dem::Grain slide(const Skin& skin, double y) {
   const auto material = sphere_material(1e12);
-  auto simulation = dem::Simulation::create(setup_of(material, material, {0.3, 0.4, 0}, 9.81), dem::Backend::omp);
+  auto simulation = dem_test::create(setup_of(material, material, {0.3, 0.4, 0}, 9.81));
   simulation->add_mesh(skin, 1, false);
   const double young = 1e12 / (2 * (1 - 0.04));
   const double overlap = std::pow(sphere_mass() * 9.81 / (4.0 / 3.0 * young * std::sqrt(radius)), 2.0 / 3.0);
@@ -108,8 +109,7 @@ TEST(Walls, FacetEdgeVertexRebound) {
   const Skin mesh = flat(-1.05, 1.05, -1.05, 1.05, 14, 14, true);  // edges of 0.15 m, half the radius
   for (const Case& c : {Case{"facet", mesh, 0.04, 0.01}, Case{"edge", mesh, 0.0, 0.07}, Case{"vertex", mesh, 0.0, 0.0},
                         Case{"ridge", ridge(), 0.1, 0}, Case{"tip", pyramid(), 0, 0}}) {
-    auto simulation =
-        dem::Simulation::create(setup_of(sphere_material(1e5), rigid, {0.3, 1, 0}, 9.81), dem::Backend::omp);
+    auto simulation = dem_test::create(setup_of(sphere_material(1e5), rigid, {0.3, 1, 0}, 9.81));
     simulation->add_mesh(c.skin, 1, false);
     const dem::Grain start{{c.x, c.y, 1}, radius, {}, {}, 0, 1};
     simulation->add_grains({&start, 1});
@@ -134,7 +134,7 @@ TEST(Walls, ConstantForceOverEdge) {
   Skin skin;
   skin.nodes = {{0, -1, 0}, {0, 1, 0}, {-2, -1, 0}, {-2, 1, 0}, {0, -1, -2}, {0, 1, -2}};
   skin.facets = {{0, 1, 2, -1}, {1, 3, 2, -1}, {0, 4, 1, -1}, {1, 4, 5, -1}};
-  auto simulation = dem::Simulation::create(setup_of(sphere_material(1e5), rigid, {0, 1, 0}, 0), dem::Backend::omp);
+  auto simulation = dem_test::create(setup_of(sphere_material(1e5), rigid, {0, 1, 0}, 0));
   simulation->add_mesh(skin, 1, false);
   const double reach = radius - 0.01, quarter = 0.5 * std::numbers::pi * reach, expected = 76.0726;
   dem::Grain grain{{-0.4, 0.1, reach}, radius, {}, {}, 0, 1};
@@ -161,8 +161,7 @@ TEST(Walls, PlaneAndMeshesAreTheSame) {
   std::vector<dem::Grain> ends;
   std::vector<double> losses;
   for (int kind = 0; kind < 4; ++kind) {
-    auto simulation =
-        dem::Simulation::create(setup_of(sphere_material(1e7), rigid, {0.3, 0.6, 0.05}, 9.81), dem::Backend::omp);
+    auto simulation = dem_test::create(setup_of(sphere_material(1e7), rigid, {0.3, 0.6, 0.05}, 9.81));
     if (kind == 0) simulation->add_plane({{0, 0, 0}, {0, 0, 1}}, 1);
     if (kind == 1) simulation->add_mesh(flat(-4, 4, -4, 4, 1, 1, false), 1, false);
     if (kind == 2) simulation->add_mesh(flat(-4, 4, -4, 4, 37, 31, true), 1, false);
@@ -191,8 +190,7 @@ TEST(Walls, RestsInGroove) {
   Skin skin;
   skin.nodes = {{-2, 0, 0}, {2, 0, 0}, {-2, 1, 1}, {2, 1, 1}, {-2, -1, 1}, {2, -1, 1}};
   skin.facets = {{0, 1, 3, 2}, {0, 4, 5, 1}};
-  auto simulation =
-      dem::Simulation::create(setup_of(sphere_material(1e6), rigid, {0, 0.4, 0}, 9.81), dem::Backend::omp);
+  auto simulation = dem_test::create(setup_of(sphere_material(1e6), rigid, {0, 0.4, 0}, 9.81));
   simulation->add_mesh(skin, 1, false);
   const dem::Grain start{{0.1, 0.02, 0.5}, radius, {}, {}, 0, 1};
   simulation->add_grains({&start, 1});

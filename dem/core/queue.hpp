@@ -1,0 +1,287 @@
+#pragma once
+// The order in which the kernels of a step run. On CUDA they go into a stream of the simulation's own, without waiting
+// for anything; many steps of the same kernels are captured once as a graph and started again and again. On processors
+// everything is done at once by the same calls, and repeated steps are the same noted calls again, so that what a graph
+// may rely on (addresses, numbers of rows) is tested there.
+//
+// The stream is of the kind that waits for the default stream and for which the default stream waits: list builds,
+// which Thrust does there, need no events.
+#include <functional>
+
+#include "dem/core/backend.hpp"
+
+namespace dem::TRACKBED_DEM_SYSTEM {
+
+/// Largest of non-negative numbers, whatever their order: their bits rise as they do.
+using NumberBits = unsigned long long;
+TRACKBED_HD inline NumberBits bits_of(double number) {
+  NumberBits bits;
+  memcpy(&bits, &number, sizeof bits);
+  return bits;
+}
+TRACKBED_HD inline double number_of(NumberBits bits) {
+  double number;
+  memcpy(&number, &bits, sizeof number);
+  return number;
+}
+
+/// Steps up to this number are not worth a graph.
+constexpr int steps_without_graph = 4;
+/// Threads that share one sum, each with every so many-th term.
+constexpr int sum_threads = 256;
+
+#if defined(TRACKBED_DEM_CUDA)
+
+template <class Functor>
+__global__ void largest_kernel(int n, Functor functor, NumberBits* largest) {
+  const int index = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+  NumberBits bits = index < n ? bits_of(functor(index)) : 0;
+  for (int lane = 16; lane > 0; lane /= 2) {
+    const NumberBits other = __shfl_xor_sync(0xffffffffu, bits, lane);
+    bits = bits > other ? bits : other;
+  }
+  // Most warps find that a larger number is there already.
+  if (threadIdx.x % 32 == 0 && bits > *static_cast<volatile NumberBits*>(largest)) atomicMax(largest, bits);
+}
+
+template <int N, class Functor>
+__global__ void sum_kernel(int n, Functor functor) {
+  __shared__ double partial[sum_threads][N];
+  const int result = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
+  if (functor.skip(result)) return;
+  Sums<N> sums;
+  for (int index = thread; index < n; index += sum_threads) functor(result, index, sums);
+  for (int k = 0; k < N; ++k) partial[thread][k] = sums.value[k];
+  for (int half = sum_threads / 2; half > 0; half /= 2) {
+    __syncthreads();
+    if (thread < half)
+      for (int k = 0; k < N; ++k) partial[thread][k] += partial[thread + half][k];
+  }
+  for (int k = 0; k < N && thread == 0; ++k) sums.value[k] = partial[0][k];
+  if (thread == 0) functor.finish(result, sums);
+}
+/// Memory of the host that the device reads and writes without a detour.
+template <class T>
+class HostRows {
+ public:
+  HostRows() = default;
+  ~HostRows() { cudaFreeHost(rows_); }
+  HostRows(const HostRows&) = delete;
+  HostRows& operator=(const HostRows&) = delete;
+  /// What was there may be lost.
+  T* make(std::size_t size) {
+    if (size > room_) {
+      cudaFreeHost(rows_);
+      rows_ = nullptr;
+      room_ = 0;
+      require_device(cudaMallocHost(&rows_, size * sizeof(T)), "memory of the host");
+      room_ = size;
+    }
+    return rows_;
+  }
+  T* data() const { return rows_; }
+  std::size_t size() const { return room_; }
+
+ private:
+  T* rows_ = nullptr;
+  std::size_t room_ = 0;
+};
+
+class Queue {
+ public:
+  Queue() {
+    require_device(cudaStreamCreate(&stream_), "a stream");
+    require_device(cudaStreamCreate(&side_), "a stream");
+    for (cudaEvent_t* event : {&forked_, &joined_})
+      require_device(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "an event");
+  }
+  ~Queue() {
+    cudaStreamSynchronize(stream_);
+    if (steps_) cudaGraphExecDestroy(steps_);
+    cudaEventDestroy(forked_);
+    cudaEventDestroy(joined_);
+    cudaStreamDestroy(side_);
+    cudaStreamDestroy(stream_);
+  }
+  Queue(const Queue&) = delete;
+  Queue& operator=(const Queue&) = delete;
+
+  /// functor(index) for 0 … n-1.
+  template <class Functor>
+  void launch(int n, const Functor& functor) {
+    if (n > 0) launch_on(on_side_ ? side_ : stream_, n, functor);
+  }
+  /// *largest = the larger of itself and all functor(index), which are not negative.
+  template <class Functor>
+  void launch_largest(int n, const Functor& functor, NumberBits* largest) {
+    if (n <= 0) return;
+    largest_kernel<<<blocks_of(n), kernel_threads, 0, stream_>>>(n, functor, largest);
+    require_device(cudaGetLastError(), "a kernel");
+  }
+  /// For every result: functor(result, index, sums) over all indices, in an order that depends on n alone, then
+  /// functor.finish(result, sums); nothing where functor.skip(result).
+  template <int N, class Functor>
+  void launch_sums(int results, int n, const Functor& functor) {
+    if (results <= 0) return;
+    sum_kernel<N><<<static_cast<unsigned>(results), sum_threads, 0, stream_>>>(n, functor);
+    require_device(cudaGetLastError(), "a kernel");
+  }
+  /// What the two launch may run at the same time.
+  template <class First, class Second>
+  void side_by_side(const First& first, const Second& second) {
+    require_device(cudaEventRecord(forked_, stream_), "an event");
+    require_device(cudaStreamWaitEvent(side_, forked_), "an event");
+    on_side_ = true;
+    second();
+    on_side_ = false;
+    first();
+    require_device(cudaEventRecord(joined_, side_), "an event");
+    require_device(cudaStreamWaitEvent(stream_, joined_), "an event");
+  }
+
+  /// step() `times` times. What it launches, and with what, must be the same every time.
+  template <class Step>
+  void repeat(int times, const Step& step) {
+    if (times <= steps_without_graph) {
+      for (int k = 0; k < times; ++k) step();
+      return;
+    }
+    capture(step);
+    for (int k = 0; k < times; ++k) require_device(cudaGraphLaunch(steps_, stream_), "a graph");
+  }
+
+  template <class T>
+  void send(const T* host, T* device, std::size_t n) {
+    if (n > 0) require_device(cudaMemcpyAsync(device, host, n * sizeof(T), cudaMemcpyHostToDevice, stream_), "a copy");
+  }
+  template <class T>
+  void fetch(const T* device, T* host, std::size_t n) {
+    if (n > 0) require_device(cudaMemcpyAsync(host, device, n * sizeof(T), cudaMemcpyDeviceToHost, stream_), "a copy");
+  }
+  void wait() { require_device(cudaStreamSynchronize(stream_), "a step"); }
+
+ private:
+  cudaStream_t stream_ = nullptr, side_ = nullptr;
+  cudaEvent_t forked_ = nullptr, joined_ = nullptr;
+  cudaGraphExec_t steps_ = nullptr;
+  bool on_side_ = false;
+
+  /// A graph of the same form takes new addresses and numbers without being made anew.
+  template <class Step>
+  void capture(const Step& step) {
+    require_device(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "a capture");
+    cudaGraph_t graph = nullptr;
+    try {
+      step();
+    } catch (...) {
+      cudaStreamEndCapture(stream_, &graph);
+      if (graph) cudaGraphDestroy(graph);
+      throw;
+    }
+    require_device(cudaStreamEndCapture(stream_, &graph), "a capture");
+    cudaGraphExecUpdateResultInfo how{};
+    if (steps_ && cudaGraphExecUpdate(steps_, graph, &how) != cudaSuccess) {
+      cudaGetLastError();  // the graph has another form
+      cudaGraphExecDestroy(steps_);
+      steps_ = nullptr;
+    }
+    const cudaError_t made = steps_ ? cudaSuccess : cudaGraphInstantiate(&steps_, graph, 0);
+    cudaGraphDestroy(graph);
+    require_device(made, "a graph");
+  }
+};
+
+#else
+
+template <class T>
+class HostRows {
+ public:
+  T* make(std::size_t size) {
+    if (size > rows_.size()) rows_.resize(size);
+    return rows_.data();
+  }
+  T* data() { return rows_.data(); }
+  const T* data() const { return rows_.data(); }
+  std::size_t size() const { return rows_.size(); }
+
+ private:
+  std::vector<T> rows_;
+};
+
+class Queue {
+ public:
+  Queue() = default;
+  Queue(const Queue&) = delete;
+  Queue& operator=(const Queue&) = delete;
+
+  template <class Functor>
+  void launch(int n, const Functor& functor) {
+    now_or_noted([n, functor] { dem::TRACKBED_DEM_SYSTEM::launch(n, functor); });
+  }
+  template <class Functor>
+  void launch_largest(int n, const Functor& functor, NumberBits* largest) {
+    now_or_noted([n, functor, largest] {
+      const double found = reduce(n, functor, 0.0, thrust::maximum<double>());
+      if (bits_of(found) > *largest) *largest = bits_of(found);
+    });
+  }
+  template <int N, class Functor>
+  void launch_sums(int results, int n, const Functor& functor) {
+    now_or_noted([results, n, functor] {
+      for (int result = 0; result < results; ++result) {
+        if (functor.skip(result)) continue;
+        Sums<N> partial[sum_threads];
+        for (int index = 0; index < n; ++index) functor(result, index, partial[index % sum_threads]);
+        for (int half = sum_threads / 2; half > 0; half /= 2)
+          for (int thread = 0; thread < half; ++thread)
+            for (int k = 0; k < N; ++k) partial[thread].value[k] += partial[thread + half].value[k];
+        functor.finish(result, partial[0]);
+      }
+    });
+  }
+  template <class First, class Second>
+  void side_by_side(const First& first, const Second& second) {
+    first();
+    second();
+  }
+
+  template <class Step>
+  void repeat(int times, const Step& step) {
+    if (times <= steps_without_graph) {
+      for (int k = 0; k < times; ++k) step();
+      return;
+    }
+    noted_.clear();
+    notes_ = true;
+    step();
+    notes_ = false;
+    for (int k = 0; k < times; ++k)
+      for (const auto& call : noted_) call();
+  }
+
+  template <class T>
+  void send(const T* host, T* device, std::size_t n) {
+    std::copy_n(host, n, device);
+  }
+  template <class T>
+  void fetch(const T* device, T* host, std::size_t n) {
+    std::copy_n(device, n, host);
+  }
+  void wait() {}
+
+ private:
+  bool notes_ = false;
+  std::vector<std::function<void()>> noted_;
+
+  template <class Call>
+  void now_or_noted(const Call& call) {
+    if (notes_)
+      noted_.push_back(call);
+    else
+      call();
+  }
+};
+
+#endif
+
+}  // namespace dem::TRACKBED_DEM_SYSTEM
