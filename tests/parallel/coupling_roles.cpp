@@ -76,7 +76,9 @@ TEST(Roles, WorkersAreNoPartOfTheCrew) {
   EXPECT_EQ(roles.is_fem_root(), rank() == 2);
   EXPECT_EQ(roles.all_ranks, 3);
   EXPECT_EQ(roles.dem_here, 2);
-  if (rank() < 2) EXPECT_EQ(roles.dem_number_here, rank());
+  if (rank() < 2) {
+    EXPECT_EQ(roles.dem_number_here, rank());
+  }
 }
 
 TEST(Roles, WithoutBodiesAllHoldGrainsAndWithoutGrainsNobody) {

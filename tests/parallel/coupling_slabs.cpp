@@ -301,7 +301,13 @@ class Recorder : public dem::Simulation {
                 base::Column(std::vector<double>(1000, part < ranks() ? part : 0)));
   }
 
-  base::Energy energy() const override { return {.kinetic = 1.0 + part_, .loss_plastic = 2}; }
+  base::Energy energy() const override {
+    base::Energy energy;
+    energy.kinetic = 1.0 + part_;
+    energy.loss_plastic = 2;
+    energy.interface_angular_impulse = {0, 3, 0};
+    return energy;
+  }
   void reset_energy() override { note("reset_energy"); }
   std::vector<dem::GrainContact> grain_contacts() const override {
     return std::vector<dem::GrainContact>(static_cast<std::size_t>(part_ + 1));
@@ -472,6 +478,7 @@ TEST(SlabServer, AnswersArePutTogether) {
     EXPECT_EQ(simulation.contact_stable_step().limiter, "contact of 0");
     EXPECT_EQ(simulation.energy().kinetic, sum);
     EXPECT_EQ(simulation.energy().loss_plastic, 2 * n);
+    EXPECT_EQ(simulation.energy().interface_angular_impulse.y, 3 * n);
     EXPECT_EQ(static_cast<double>(simulation.grain_contacts().size()), sum);
     EXPECT_EQ(simulation.wall_contacts().back().id, ranks() - 1);
     const auto counts = simulation.counts();
