@@ -38,6 +38,23 @@ nlohmann::json judge(const nlohmann::json& json) {
 }
 
 TEST(Laboratories, AngleOfRepose) { judge(run_laboratory("angle_of_repose")); }
+
+// The same slope of spheres shows what the procedure reads: 40 degrees at a rolling friction of 0.2 (Irazabal2017
+// Fig. 6.4). Stones that are not round stand steeper than spheres that roll freely.
+TEST(Laboratories, AngleOfReposeOfClumps) {
+  const auto spheres = [](const std::string& rolling_friction) {
+    return result(run_laboratory("angle_of_repose_clumps",
+                                 " --set 'packing.shapes=[]' --set time.dem_fraction=0.3"
+                                 " --set wall.floor.rolling_friction=1 --set wall.crest.rolling_friction=0"
+                                 " --set wall.gate.rolling_friction=0 --set grains.rolling_friction=" +
+                                     rolling_friction),
+                  "angle_of_repose");
+  };
+  const double stones = result(judge(run_laboratory("angle_of_repose_clumps")), "angle_of_repose");
+  EXPECT_NEAR(spheres("0.2"), 40, 4);
+  EXPECT_GT(stones, spheres("0") + 2);
+}
+
 TEST(Laboratories, Oedometer) { judge(run_laboratory("oedometer")); }
 
 // Irazabal2017 6.3.3, 6.3.4: dense stones contract, then dilate; the friction angle falls with normal stress; friction
