@@ -35,6 +35,11 @@ GrainEnd::GrainEnd(Interface is, MPI_Comm joint, int dem_ranks, std::vector<int>
   const std::size_t skins = is_.skins.size();
   for (const auto& skin : is_.skins) {
     reaches_.push_back(reaches_of_nodes(skin));
+    whole_.emplace_back();
+    for (const Interval& reach : reaches_.back()) {
+      whole_.back().include(reach.low);
+      whole_.back().include(reach.high);
+    }
     positions_.push_back(skin.nodes);
     velocities_.emplace_back(skin.nodes.size());
     impulses_.emplace_back(skin.nodes.size());
@@ -97,12 +102,17 @@ void GrainEnd::take(dem::Simulation& grains) {
   }
   if (changed_) know_nodes(grains);
   Interval within = everything;
+  skin_way_ = 0;
   for (std::size_t s = 0; s < walls_.size(); ++s) {
     Interval both = moved_[s].low > moved_[s].high ? Interval{0, 0} : moved_[s];
+    if (moved_before[s].low <= moved_before[s].high && moved_[s].low <= moved_[s].high)
+      skin_way_ = std::max(
+          {skin_way_, std::abs(moved_[s].low - moved_before[s].low), std::abs(moved_[s].high - moved_before[s].high)});
     for (const double end : {moved_before[s].low, moved_before[s].high})
       if (std::isfinite(end)) both.include(end);
-    within.low = std::max(within.low, now_[s].low + both.high + 0.25 * margin_);
-    within.high = std::min(within.high, now_[s].high + both.low - 0.25 * margin_);
+    // There is no limit on a side where all is known.
+    if (now_[s].low > whole_[s].low) within.low = std::max(within.low, now_[s].low + both.high + 0.25 * margin_);
+    if (now_[s].high < whole_[s].high) within.high = std::min(within.high, now_[s].high + both.low - 0.25 * margin_);
     for (std::size_t f = 0; f < peers_.size(); ++f) {
       const double* value = peers_[f].place[s];
       for (const int k : peers_[f].shared[s].all) {
@@ -143,8 +153,9 @@ std::vector<Interval> GrainEnd::choose_next(const dem::Simulation& grains, doubl
   constexpr double enough = 0.5, good = 1.5, more_than_enough = 3;  // margins
   const dem::Reach reach = grains.reach();
   std::vector<Interval> next(now_.size());
+  if (lone_) return now_;  // knows all
   if (reach.low > reach.high) return next;
-  margin_ = 2 * reach.grain + 4 * reach.speed * window;
+  margin_ = 2 * reach.grain + 4 * (reach.speed * window + skin_way_);
   for (std::size_t s = 0; s < now_.size(); ++s) {
     const Interval moved = moved_[s].low > moved_[s].high ? Interval{0, 0} : moved_[s];
     const Interval needed{reach.low - moved.high, reach.high - moved.low};

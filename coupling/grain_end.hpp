@@ -3,10 +3,10 @@
 //
 // The part names, per skin, an interval along x whose nodes it is told of. It is wider than where its grains are or may
 // come to (dem::Reach) by one and a half margins on either side, a margin being two of the largest grain's radius and
-// four times what the fastest goes in a window; where less than half a margin or more than three are left after a
-// window, a new interval goes out with the impulses and holds from the next window on. Facets beyond it are dead to the
-// part, so that no grain ever feels a place that is out of date; and grains that come nearer to them than a quarter of
-// a margin stop the run (dem::Simulation::keep_within()). The first interval is the whole line.
+// four times what the fastest grain and the skin go in a window; where less than half a margin or more than three are
+// left after a window, a new interval goes out with the impulses and holds from the next window on. Facets beyond it
+// are dead to the part, so that no grain ever feels a place that is out of date; and grains that come nearer to them
+// than a quarter of a margin stop the run (dem::Simulation::keep_within()). The first interval is the whole line.
 #include <mpi.h>
 
 #include "coupling/skin_share.hpp"
@@ -75,9 +75,11 @@ class GrainEnd {
   MPI_Comm joint_;
   std::vector<int> walls_;
   bool lone_;
-  std::vector<std::vector<Interval>> reaches_;
+  std::vector<std::vector<Interval>> reaches_;  // per skin and node
   std::vector<Peer> peers_;
   std::vector<Interval> before_, now_, moved_;  // per skin; moved_: [m] at the end of the last window
+  std::vector<Interval> whole_;                 // per skin: as far as any facet reaches, undeformed
+  double skin_way_ = 0;                         // [m] farthest that a skin has gone along x in this window
   double margin_ = 0;                           // [m]
   bool changed_ = true;                         // other nodes than in the window before
   std::vector<std::vector<base::Vec3>> positions_, velocities_, impulses_;  // per skin, whole

@@ -102,6 +102,12 @@ void run_rank(const RunOptions& options) {
   const CheckpointWatch watch;
   fs::path directory = options.out.value_or(fs::path("runs") / options.scene.stem());
   const auto restart = find_restart(options, setup.scene, roles, directory);
+  if (restart && options.until) {
+    const double reached = base::column<std::vector<double>>(restart->columns, "run/clock").front();
+    base::require_user(*options.until > reached,
+                       fmt::format("--until {:.6g} s: {} was written at {:.6g} s already; give a later time",
+                                   *options.until, restart->file.string(), reached));
+  }
   const fs::path earlier = restart ? parent_of(restart->file) : fs::path();
   if (restart && !options.out) directory = earlier;
   std::error_code ignored;

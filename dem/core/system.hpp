@@ -115,7 +115,7 @@ class System final : public Simulation {
   bool keeps_grain_ledger() const { return setup_.track_energy && (alpha_ > 0 || brakes_); }
   void rebuild(double share);
   void adapt_skin();
-  void relist(double moved, double share);
+  void relist(double moved, double wall_shift, double share);
   void note_reach(const Box& own);
   void evaluate(const kernels::Interval&, double ended);
   template <class Visit>

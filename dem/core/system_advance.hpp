@@ -31,12 +31,16 @@ inline void System::advance_by_steps(int n, double dt) {
   int trouble = 0;  // in company all parts stop together: after the next leap
   for (int k = 1; k <= n; ++k) {
     if (walls_.any()) walls_.move(k, n, dt, setup_.gravity);
-    const double squared = over_parts(std::fmax(leap({.ends = k > 1, .ended = dt, .begins = true}, dt),  //
-                                                trouble ? HUGE_VAL : 0));
+    const double share = static_cast<double>(k) / n;
+    // A part sees only the walls near it move; new lists are made by all or by none.
+    double way[2] = {std::fmax(leap({.ends = k > 1, .ended = dt, .begins = true}, dt), trouble ? HUGE_VAL : 0),
+                     walls_.any() ? walls_.shift(share) : 0};
+    if (in_company()) setup_.company->largest(way);
+    const auto [squared, wall_shift] = way;
     ++steps_;
     if (!(squared < HUGE_VAL)) stop_unstable(trouble, k * dt);
     move_ghosts();
-    relist(std::sqrt(squared), static_cast<double>(k) / n);
+    relist(std::sqrt(squared), wall_shift, share);
     evaluate(interval(dt), dt);
     trouble = met_trouble();
     if (trouble && !in_company()) stop_unstable(trouble, k * dt);
@@ -129,9 +133,10 @@ inline void System::adapt_skin() {
   if (interval > 300) skin_share_ = std::fmax(sweeps() ? 0.1 : 0.05, 0.8 * skin_share_);
 }
 
-/// New lists where grains have moved too far for the present ones: `moved` since the tight list was made.
-inline void System::relist(double moved, double share) {
-  const bool walls_stale = walls_.any() && travelled_ + moved + walls_.shift(share) > skin_;
+/// New lists where grains have moved too far for the present ones: `moved` since the tight list was made, `wall_shift`
+/// of the walls of all parts since the lists were.
+inline void System::relist(double moved, double wall_shift, double share) {
+  const bool walls_stale = walls_.any() && travelled_ + moved + wall_shift > skin_;
   if (2 * moved <= tight_ && !walls_stale) return;
   const double total = travelled_ + moved;
   if (!sweeps() || walls_stale || tight_ + 2 * total > skin_) return rebuild(share);

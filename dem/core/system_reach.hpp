@@ -26,10 +26,11 @@ inline void System::note_reach(const Box& own) {
   if (!(all[0] > 0)) return;
   if (!beyond) throw base::UnstableError("stopped with another part of the grains");
   char message[300];
-  std::snprintf(message, sizeof message,
-                "grains have come to x = %.4g m ... %.4g m, beyond the walls known here for this window (%.4g m ... "
-                "%.4g m), at up to %.3g m/s: they move too far within one window; take shorter windows",
-                own.low.x, own.high.x, limits_[0], limits_[1], reach_.speed);
+  std::snprintf(
+      message, sizeof message,
+      "grains reach from x = %.4g m to %.4g m, beyond the walls known here for this window (%.4g m ... %.4g m), "
+      "at up to %.3g m/s: they or the body under them move too far within one window; take shorter windows",
+      reach_.low, reach_.high, limits_[0], limits_[1], reach_.speed);
   throw base::UnstableError(message);
 }
 

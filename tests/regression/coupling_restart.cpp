@@ -267,6 +267,10 @@ TEST(Restart, RefusedWithItsReasonAndNothingTouched) {
   const auto overwrite = restart(scene, out, "--overwrite");
   EXPECT_EQ(overwrite.status, 2);
   EXPECT_NE(overwrite.output.find("--overwrite: the run in "), std::string::npos) << overwrite.output;
+  const auto past = restart(scene, out, "--until 1e-3", 2);
+  EXPECT_EQ(past.status, 2);
+  EXPECT_NE(past.output.find("--until 0.001 s: "), std::string::npos) << past.output;
+  EXPECT_NE(past.output.find("already; give a later time"), std::string::npos) << past.output;
   const auto missing = restart(scene, scratch() / "nowhere");
   EXPECT_EQ(missing.status, 2);
   EXPECT_NE(missing.output.find("no such file; name a checkpoint-NNNN.h5"), std::string::npos) << missing.output;
