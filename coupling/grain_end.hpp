@@ -6,7 +6,8 @@
 // four times what the fastest grain and the skin go in a window; where less than half a margin or more than three are
 // left after a window, a new interval goes out with the impulses and holds from the next window on. Facets beyond it
 // are dead to the part, so that no grain ever feels a place that is out of date; and grains that come nearer to them
-// than a quarter of a margin stop the run (dem::Simulation::keep_within()). The first interval is the whole line.
+// than a quarter of a margin stop the run (dem::Simulation::keep_within()). The first interval is the whole line;
+// in one process it stays so.
 #include <mpi.h>
 
 #include "coupling/skin_share.hpp"
