@@ -1,25 +1,15 @@
 #include "coupling/exchange.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <string>
 
 #include "base/error.hpp"
 #include "coupling/slab_simulation.hpp"
+#include "coupling/stopwatch.hpp"
 
 namespace coupling {
 
 namespace {
-
-class Stopwatch {
- public:
-  explicit Stopwatch(double& total) : total_(total) {}
-  ~Stopwatch() { total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  double& total_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 void broadcast(std::vector<int>& values, int root, MPI_Comm communicator) {
   int count = static_cast<int>(values.size());

@@ -1,27 +1,17 @@
 #include "coupling/grain_end.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "base/error.hpp"
 #include "coupling/agree.hpp"
 #include "coupling/body_end.hpp"
+#include "coupling/stopwatch.hpp"
 
 namespace coupling {
 
 namespace {
-
-class Stopwatch {
- public:
-  explicit Stopwatch(double& total) : total_(total) {}
-  ~Stopwatch() { total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  double& total_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 base::Vec3 vector_at(const double* value) { return {value[0], value[1], value[2]}; }
 
