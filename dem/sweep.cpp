@@ -1,6 +1,7 @@
 #include "dem/sweep.hpp"
 
 #include "base/error.hpp"
+#include "dem/leap_rows.hpp"
 #include "dem/sweep_rows.hpp"
 
 namespace dem {
@@ -17,6 +18,12 @@ Sweep find_sweep(const SweepChoice& choice, int lanes) {
   const Sweep found = choice.mixed ? (lanes == 4 ? avx2_mixed_sweep(choice) : portable_mixed_sweep(choice))
                                    : (lanes == 4 ? avx2_sweep(choice) : portable_sweep(choice));
   base::require_internal(found != nullptr, "no sweep for this law and vector width");
+  return found;
+}
+
+Leap find_leap(const LeapChoice& choice, int lanes) {
+  const Leap found = lanes == 4 ? avx2_leap(choice) : portable_leap(choice);
+  base::require_internal(found != nullptr, "no pass of the integrator for this vector width");
   return found;
 }
 

@@ -11,7 +11,10 @@ using kernels::choose;
 
 /// Real: the pack that the law is computed in.
 template <class Law, class Model, class R, bool Ledger, bool Turns>
-void sweep(const SweepInput& in, SweepSums& sums) {
+void sweep(const SweepInput& input, SweepSums& sums) {
+  // Copies, which what is stored in the loop can't change: numbers are spread over the lanes once.
+  const SweepInput in = input;
+  const kernels::PairParameters parameters = *input.parameters;
   using Number = typename kernels::LanesOf<R>::Number;
   constexpr int W = kernels::LanesOf<R>::width;
   constexpr bool braked = std::is_same_v<Model, kernels::BoundedRolling>;
@@ -54,19 +57,19 @@ void sweep(const SweepInput& in, SweepSums& sums) {
     R history[numbers > 0 ? numbers : 1];
     Number* kept = static_cast<Number*>(in.history) + static_cast<long>(block) * numbers * W;
     for (int k = 0; k < numbers; ++k) history[k] = load<R>(kept + k * W);
-    const auto contact = Law::template press<Ledger>(*in.parameters, touch, in.time, history);
+    const auto contact = Law::template press<Ledger>(parameters, touch, in.time, history);
     kernels::Moment<R> couple;
     if constexpr (rolls) {
       kernels::RollingContact<R> rolling{pair.spin_i - pair.spin_j, contact.normal_force, R{}, R{}};
       if constexpr (Law::history > 0) rolling.shear_stiffness = history[Law::history - 1];
       rolling.inertia = kernels::rolling_inertia(pair.mass_i, pair.radius_i, pair.mass_j, pair.radius_j);
-      couple = Model::template resist<Ledger>(*in.parameters, touch, rolling, in.time, history + law_numbers);
+      couple = Model::template resist<Ledger>(parameters, touch, rolling, in.time, history + law_numbers);
     }
     for (int k = 0; k < numbers; ++k) store(kept + k * W, history[k]);
 
     const Vector3<R>& f = contact.force;
     R braking{};
-    if constexpr (braked) braking = all<R>(in.parameters->rolling_friction) * smaller * contact.normal_force;
+    if constexpr (braked) braking = all<R>(parameters.rolling_friction) * smaller * contact.normal_force;
     const R on_i[4] = {f.x, f.y, f.z, braking}, on_j[4] = {-f.x, -f.y, -f.z, braking};
     scatter(in.pull, stride, in.to_first + block * W, in.to_second + block * W, on_i, on_j);
     if constexpr (Turns) {

@@ -1,8 +1,10 @@
 // Sweeps for the vectors that every x86-64 processor has: two pairs at once.
+#include "dem/leap_rows.hpp"
 #include "dem/sweep_rows.hpp"
 
 namespace dem {
 
 Sweep portable_sweep(const SweepChoice& choice) { return sweep_of<double, 2>(choice); }
+Leap portable_leap(const LeapChoice& choice) { return leaping::pick<2>(choice); }
 
 }  // namespace dem

@@ -87,7 +87,8 @@ struct WallState {
   Vec3 normal{};           // towards the grain
   double weights[4] = {};  // of the facet's nodes; of a part of a face as in WallGeometry::nearest()
 };
-struct WallSum {
+/// A row of eight numbers (dem/leap.hpp).
+struct alignas(32) WallSum {
   Vec3 force{};        // [N]
   double rolling = 0;  // [N m]
   Vec3 torque{};       // [N m]

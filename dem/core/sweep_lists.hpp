@@ -14,6 +14,7 @@
 #include "dem/core/grains.hpp"
 #include "dem/core/pair_search.hpp"
 #include "dem/laws.hpp"
+#include "dem/leap.hpp"
 #include "dem/sweep.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {

@@ -127,6 +127,8 @@ class System final : public Simulation {
   template <class Forces, class Visit>
   void with_leap(double dt, const Forces&, const Visit&);
   double leap(const Phase&, double dt);
+  double leap_rows(const Phase&, double dt);
+  Integrator integrator(double dt);
   void book_removed_walls();
   void feel_walls();
   void finish_walls(double dt);

@@ -444,31 +444,75 @@ GatheredForces<Real> System::gathered_forces() {
           pointer(pairs_.other),  pointer(numbers.result),   pointer(numbers.couple)};
 }
 
+inline Integrator System::integrator(double dt) {
+  const bool verlet = setup_.time_scheme == TimeScheme::velocity_verlet;
+  return {.place = pointer(grains_.place),
+          .state = grains_.states(),
+          .motion = grains_.motions(),
+          .pull = grains_.pulls(),
+          .wall_slot = pointer(near_walls_.slot),
+          .wall_sum = pointer(near_walls_.sum),
+          .ledger = pointer(grains_.ledger),
+          .gravity = setup_.gravity,
+          .alpha = alpha_,
+          .rolling = brakes_,
+          .dt = dt,
+          .at_start = verlet ? 0.5 : 1,
+          .at_end = verlet ? 0.5 : 0};
+}
+
 /// Calls visit(number of grains, pass of the integrator over them).
 template <class Forces, class Visit>
 void System::with_leap(double dt, const Forces& forces, const Visit& visit) {
-  const bool verlet = setup_.time_scheme == TimeScheme::velocity_verlet;
-  const Integrator integrator{.place = pointer(grains_.place),
-                              .state = grains_.states(),
-                              .motion = grains_.motions(),
-                              .pull = grains_.pulls(),
-                              .wall_slot = pointer(near_walls_.slot),
-                              .wall_sum = pointer(near_walls_.sum),
-                              .ledger = pointer(grains_.ledger),
-                              .gravity = setup_.gravity,
-                              .alpha = alpha_,
-                              .rolling = brakes_,
-                              .dt = dt,
-                              .at_start = verlet ? 0.5 : 1,
-                              .at_end = verlet ? 0.5 : 0};
+  const Integrator integrator = this->integrator(dt);
   if (bodies_.any()) return with_body_leap(integrator, forces, visit);
   visit(grains_.size(), Leapfrog<Forces>{integrator, forces, pointer(grains_.listed), {}, bonds_.any()});
 }
+
+#if !defined(TRACKBED_DEM_CUDA)
+/// The same for spheres whose forces have been summed: every thread its share of the rows.
+inline double System::leap_rows(const Phase& phase, double dt) {
+  const int n = grains_.size();
+  if (n == 0) return 0;
+  const Integrator integrator = this->integrator(dt);
+  static_assert(sizeof(WallSum) == 64 && sizeof(Vec3) == 24 && sizeof(GrainLedger) == 16);
+  const LeapInput rows{.place = &pointer(grains_.place)->position.x,
+                       .state = &pointer(grains_.state)->vector.x,
+                       .motion = &pointer(grains_.motion)->vector.x,
+                       .pull = &pointer(grains_.pull)->vector.x,
+                       .listed = &pointer(grains_.listed)->x,
+                       .wall_slot = integrator.wall_slot,
+                       .wall_sum = integrator.wall_sum ? &integrator.wall_sum->force.x : nullptr,
+                       .ledger = integrator.ledger ? &integrator.ledger->loss_rolling : nullptr,
+                       .gravity = setup_.gravity,
+                       .alpha = alpha_,
+                       .dt = dt,
+                       .ended = phase.ended,
+                       .end_share = integrator.at_end,
+                       .kick = integrator.kick(),
+                       .seen = integrator.at_end * dt};
+  const Leap pass = find_leap({.turns = setup_.rotations,
+                               .brakes = brakes_,
+                               .ledger = rows.ledger != nullptr,
+                               .ends = phase.ends,
+                               .begins = phase.begins},
+                              setup_.lanes ? setup_.lanes : sweep_lanes());
+  if (n <= serial_length) return pass(rows, 0, n);
+  double most = 0;
+#pragma omp parallel reduction(max : most)
+  {
+    const long long share = omp_get_thread_num(), shares = omp_get_num_threads();
+    most = pass(rows, static_cast<int>(n * share / shares), static_cast<int>(n * (share + 1) / shares));
+  }
+  return most;
+}
+#endif
 
 /// One pass of the integrator, outside a window; returns the largest squared displacement since the list was made.
 inline double System::leap(const Phase& phase, double dt) {
 #if !defined(TRACKBED_DEM_CUDA)
   if (sweeps()) {
+    if (!bodies_.any()) return leap_rows(phase, dt);
     double squared = 0;
     with_leap(dt, SummedForces{}, [&](int n, auto pass) {
       pass.phase = phase;

@@ -98,6 +98,15 @@ template <class Mask>
 requires(!std::is_same_v<Mask, bool>) TRACKBED_LANES Mask either(Mask a, Mask b) { return a | b; }
 template <class Mask>
 requires(!std::is_same_v<Mask, bool>) TRACKBED_LANES bool any(Mask mask) {
+#if defined(__AVX2__)
+  typedef long long Bits __attribute__((vector_size(32)));
+  if constexpr (sizeof(Mask) == 32)
+    return !__builtin_ia32_ptestz256(reinterpret_cast<Bits>(mask), reinterpret_cast<Bits>(mask));
+#endif
+#if defined(__SSE2__)
+  typedef char Bytes __attribute__((vector_size(16)));
+  if constexpr (sizeof(Mask) == 16) return __builtin_ia32_pmovmskb128(reinterpret_cast<Bytes>(mask)) != 0;
+#endif
   std::int64_t parts[sizeof(Mask) / sizeof(std::int64_t)], all = 0;
   std::memcpy(parts, &mask, sizeof mask);
   for (std::int64_t part : parts) all |= part;
@@ -107,10 +116,10 @@ requires(!std::is_same_v<Mask, bool>) TRACKBED_LANES bool any(Mask mask) {
 #define TRACKBED_LANES inline
 #endif
 
-/// The same number in every lane.
+/// The same number in every lane. (Minus nothing, not nothing plus: compilers may not leave the sum away, for -0.)
 template <class Real>
 TRACKBED_HD TRACKBED_LANES Real all(double value) {
-  return Real{} + static_cast<typename LanesOf<Real>::Number>(value);
+  return static_cast<typename LanesOf<Real>::Number>(value) - Real{};
 }
 template <class Real>
 TRACKBED_HD TRACKBED_LANES Real larger(Real a, std::type_identity_t<Real> b) {
