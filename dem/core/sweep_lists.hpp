@@ -9,7 +9,9 @@
 // its own grains only: no atomics, and the same bits for the same number of ranges. A pair across a border is in two
 // ranges, which compute the same; its energies count half in each.
 #include <algorithm>
+#include <memory>
 
+#include "dem/core/body_search.hpp"
 #include "dem/core/columns.hpp"
 #include "dem/core/grains.hpp"
 #include "dem/core/pair_search.hpp"
@@ -57,24 +59,33 @@ class SweepLists {
  public:
   const SweepLayout& layout() const { return layout_; }
 
-  /// Cuts the grains, sorted by bucket, into ranges and lists what is near.
-  void find_near(const PairSearch& search, int grains, const Images& images, int threads) {
+  /// Cuts the grains, sorted by bucket, into ranges and lists what is near. `bodies`: null where each grain is one.
+  void find_near(const PairSearch& search, const Bodies* bodies, int grains, const Images& images, int threads) {
     old_ = std::move(ranges_);
     old_images_ = std::move(images_);
     images_ = images;
     periods_ = search.periods;
     ranges_.assign(std::max(1, threads), {});
     const int number = static_cast<int>(ranges_.size());
+    const auto clumps = bodies ? std::make_unique<BodySearch>(search, *bodies) : nullptr;
 #pragma omp parallel for schedule(static, 1)
     for (int t = 0; t < number; ++t) {
       SweepRange& range = ranges_[t];
+      std::vector<BodySearch::Near> near_bodies;
       range.begin = static_cast<int>(static_cast<long long>(grains) * t / number);
       range.end = static_cast<int>(static_cast<long long>(grains) * (t + 1) / number);
       for (int i = range.begin; i < range.end; ++i) {
         range.near_start.push_back(static_cast<int>(range.near.size()));
-        search.neighbours(i, [&](int j) {
+        const auto list = [&](int j) {
           if (j > i || j < range.begin) range.near.push_back(j);
-        });
+        };
+        if (clumps) {
+          if (i == range.begin || search.body[i] != search.body[i - 1])
+            clumps->near_bodies(search.body[i], near_bodies);
+          clumps->neighbours(i, near_bodies, list);
+        } else {
+          search.neighbours(i, list);
+        }
         std::sort(range.near.begin() + range.near_start.back(), range.near.end());
       }
       range.near_start.push_back(static_cast<int>(range.near.size()));

@@ -184,7 +184,9 @@ inline void System::rebuild(double share) {
       const int threads = omp_get_max_threads();
       make_images(threads);
       search.place = pointer(grains_.place);
-      sweep_lists_.find_near(search, n, images_, threads);
+      // Ghosts are single spheres: where there are any, all are looked for as such.
+      const Bodies* bodies = bodies_.any() && !in_company() ? &bodies_ : nullptr;
+      sweep_lists_.find_near(search, bodies, n, images_, threads);
       sweep_lists_.tighten(grains_, tight_, sweep_layout(), true);
       last_tight_ = steps_;
     }
