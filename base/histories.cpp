@@ -78,4 +78,9 @@ HistoryPtr make_history(const Value& checked, double time_zero) {
   throw InternalError("no history " + kind);
 }
 
+void require_bounded(const Value& checked, double time_zero, double end) {
+  if (checked.at("kind").text() == histories::Formula::declaration("").name)
+    histories::Formula(checked).require_bounded(0 - time_zero, end - time_zero);  // no minus zero
+}
+
 }  // namespace base

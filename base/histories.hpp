@@ -15,4 +15,8 @@ const Family& history_family(const std::string& unit);
 /// is zero.
 HistoryPtr make_history(const Value& checked, double time_zero);
 
+/// Throws base::UserError where that history is seen to be no finite number, or to grow without bound, at some time
+/// from 0 to `end` [s].
+void require_bounded(const Value& checked, double time_zero, double end);
+
 }  // namespace base

@@ -308,7 +308,9 @@ std::string cost_text(const Setup& setup, const Steps& steps, std::int64_t spher
 
 }  // namespace
 
-std::string check(const RunOptions& options) {
+std::string check(const RunOptions& asked) {
+  RunOptions options = asked;
+  options.only_check = true;
   const Setup setup(MPI_COMM_SELF, options);
   const Scene& scene = setup.scene;
   std::optional<GrainEstimate> estimate;

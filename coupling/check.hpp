@@ -7,7 +7,8 @@
 namespace coupling {
 
 /// Reads the scene, meshes its bodies, sizes both sides, on the calling rank alone. Throws every base::UserError that
-/// run() would throw before its first step, apart from those about the run directory. Packs nothing, writes nothing.
+/// run() would throw before its first step, apart from those about the run directory and of an equilibrium that is not
+/// found. Packs nothing, solves nothing, writes nothing.
 std::string check(const RunOptions&);
 
 }  // namespace coupling

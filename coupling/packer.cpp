@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <unordered_set>
 
 #include "base/error.hpp"
@@ -21,6 +22,8 @@ namespace {
 constexpr double pour_fraction = 0.28;     // solid fraction of the grains before they fall
 constexpr double calm = 3e-3;              // kinetic energy over m g r at which grains count as at rest (some 3 cm/s)
 constexpr double chunk = 0.01;             // [s] between looks at the state
+constexpr double contact_safety = 0.9;     // of the step that the live contacts allow now, until the next look
+constexpr double contact_recovery = 1.1;   // by which that step may grow from look to look: impacts come in crowds
 constexpr double absurd_pressure = 0.5e6;  // [Pa] mean under the plate
 constexpr double bedding_share = 0.25;     // of the plate's speed, at which a body is set down on the layer below
 constexpr double release_share = 0.1;      // of the plate's speed, at which the plate lets go of the grains
@@ -93,6 +96,7 @@ std::vector<dem::Grain> Packer::run(PackingReport& report) {
     } else {
       strike_off(top);
     }
+    tell_shortest();
   }
   phase_ = "packing: slope";
   cut_free();
@@ -101,9 +105,10 @@ std::vector<dem::Grain> Packer::run(PackingReport& report) {
   loosen();
   erode();
   drop_lost();
+  tell_shortest();
   if (terminal_) fmt::print(stderr, "\r\033[K");
   std::vector<dem::Grain> grains = simulation_->grains();
-  if (!grains.empty()) simulation_->advance(0, step());  // contacts of grains that were taken out are gone then
+  if (!grains.empty()) simulation_->advance(0, asked_step());  // contacts of grains that were taken out are gone then
   report.coordination = coordination(grains, simulation_->grain_contacts(), region_.all());
   report.steps = steps_;
   for (dem::Grain& grain : grains) {
@@ -253,16 +258,41 @@ void Packer::pour(std::size_t number) {
   settle(std::min(fall, time), time);
 }
 
-double Packer::step() const { return scene_.time.dem_fraction * simulation_->stable_step().limit; }
+double Packer::asked_step() const { return scene_.time.dem_fraction * simulation_->stable_step().limit; }
+
+double Packer::step() {
+  const double asked = asked_step();
+  if (simulation_->time() < next_look_) return std::min(asked, contact_safety * contact_limit_);
+  next_look_ = simulation_->time() + (1 - 1e-6) * chunk;
+  const dem::StableStep live = simulation_->contact_stable_step();
+  contact_limit_ = std::min(live.limit, contact_recovery * contact_limit_);
+  if (contact_safety * live.limit < std::min(asked, shortest_)) {
+    shortest_ = contact_safety * live.limit;
+    shortest_by_ = live.limiter;
+  }
+  return std::min(asked, contact_safety * contact_limit_);
+}
+
+void Packer::tell_shortest() {
+  if (std::isfinite(shortest_))
+    spdlog::info("{}: DEM step shortened to {:.3g} s at the least by the live contacts: {}", phase_, shortest_,
+                 shortest_by_);
+  shortest_ = std::numeric_limits<double>::infinity();
+}
 
 void Packer::advance(double duration) {
-  const double dt = step();
+  const double asked = asked_step();
   base::require_user(
-      std::isfinite(dt),
+      std::isfinite(asked),
       "packing: the layers hold no grain of this grading; make packing.layer.box higher or wider than the "
       "grains, or the grading finer");
-  const int steps = std::max(1, static_cast<int>(std::ceil(duration / dt)));
-  simulation_->advance(steps, duration / steps);
+  for (double left = duration; left > 1e-9 * duration;) {
+    const double dt = step();
+    const double piece = dt < asked ? std::min(left, chunk) : left;  // contacts that shorten steps are looked at often
+    const int steps = std::max(1, static_cast<int>(std::ceil(piece / dt)));
+    simulation_->advance(steps, piece / steps);
+    left -= piece;
+  }
 }
 
 void Packer::settle(double earliest, double duration) {
@@ -361,7 +391,7 @@ void Packer::drop_lost() {
   });
   if (lost == 0) return;
   spdlog::info("{} grains left the box and are taken out", lost);
-  if (std::isfinite(step())) simulation_->advance(0, step());  // contacts are known again without them
+  if (std::isfinite(asked_step())) simulation_->advance(0, asked_step());  // contacts are known again without them
 }
 
 void Packer::show(double kinetic) {

@@ -11,6 +11,7 @@
 // per grain.
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -61,7 +62,12 @@ class Packer {
   void settle(double earliest, double duration);
   void advance(double duration);
   std::size_t remove_if(const std::function<bool(const dem::Grain&)>&);
-  double step() const;
+  /// The fraction of the Rayleigh limit that the scene asks for [s].
+  double asked_step() const;
+  /// That, or less where the live contacts allow less. Looks at them when `chunk` has gone by since the last look.
+  double step();
+  /// Says how far contacts have shortened the steps since it was said last.
+  void tell_shortest();
   enum class Friction { none, of_packing, of_scene };
   void use_interactions(Friction);
   [[noreturn]] void refuse(const PackingLayer&, const std::string& why) const;
@@ -79,6 +85,10 @@ class Packer {
   std::vector<PackingStep> steps_;    // done so far
   double median_ = 0;                 // [m] diameter that half of the mass passes
   std::int64_t next_id_ = 0;
+  double contact_limit_ = std::numeric_limits<double>::infinity();  // [s] that the live contacts allow
+  double next_look_ = 0;                                            // [s] at them
+  double shortest_ = std::numeric_limits<double>::infinity();       // [s] step that they have asked for in this phase
+  std::string shortest_by_;
   std::string phase_;  // for the progress line
   bool terminal_ = false;
   std::chrono::steady_clock::time_point shown_;

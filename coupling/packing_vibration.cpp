@@ -24,7 +24,7 @@ void Packer::vibrate(std::size_t number) {
   constexpr double fewest = 16;  // steps in a period
   const PackingLayer& layer = packing_.layers[number];
   const Vibration& shake = *layer.vibration;
-  const double dt = step();
+  const double dt = asked_step();
   base::require_user(shake.frequency * fewest * dt <= 1,
                      fmt::format("{}: packing.layer.vibration.frequency = {:g} Hz; must be at most {:.4g} Hz, where a "
                                  "period is {:g} steps of {:.3g} s; lower it, or time.dem_fraction",

@@ -14,6 +14,7 @@ struct RunOptions {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> out;  // default: runs/<scene name>
   bool overwrite = false;                    // replace an existing run directory
+  bool only_check = false;                   // no step will be taken
   std::vector<Override> overrides;
   std::optional<double> until;   // [s] stop early at this simulated time
   std::string backend = "auto";  // auto | omp | cuda

@@ -59,6 +59,9 @@ void build_stages(Value& root, Scene& scene) {
   }
 }
 
+namespace {
+
+/// Simulated time [s] at which the time of a checked history is zero.
 double history_zero(const Value& history, const Scene& scene) {
   const Value* wanted = history.find("start_stage");
   if (!wanted) return 0;
@@ -71,6 +74,16 @@ double history_zero(const Value& history, const Scene& scene) {
   }
   require_known(*wanted, names, "stage", "stages");
   return time;
+}
+
+}  // namespace
+
+base::HistoryPtr read_history(const Value& checked, const Scene& scene) {
+  const double zero = history_zero(checked, scene);
+  double end = 0;
+  for (const auto& stage : scene.stages) end += stage.duration;
+  base::require_bounded(checked, zero, end);
+  return base::make_history(checked, zero);
 }
 
 namespace {
@@ -88,7 +101,7 @@ fem::Load read_load(const Value& row, const Scene& scene) {
     load.direction = row.at("direction").vector();
     if (!(base::norm(load.direction) > 0)) fail(row.at("direction"), "must not be zero", "give a direction");
   }
-  load.history = base::make_history(row.at("history"), history_zero(row.at("history"), scene));
+  load.history = read_history(row.at("history"), scene);
   load.origin = row.origin();
   return load;
 }
@@ -101,7 +114,7 @@ fem::PrescribedMotion read_motion(const Value& row, const Scene& scene) {
                                                     : fem::PrescribedMotion::Kind::displacement;
   if (row.at("along").list().empty()) fail(row.at("along"), "leads nowhere", "give some of \"x\", \"y\", \"z\"");
   for (const auto& axis : row.at("along").texts()) motion.along[static_cast<std::size_t>(axis[0] - 'x')] = true;
-  motion.history = base::make_history(row.at("history"), history_zero(row.at("history"), scene));
+  motion.history = read_history(row.at("history"), scene);
   motion.origin = row.origin();
   return motion;
 }

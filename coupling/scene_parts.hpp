@@ -42,8 +42,8 @@ bool reads_elastic_constants(const dem::Interaction&);
 void refuse_elastic_constants(const base::Value& value, const dem::Interaction&);
 
 // ---- scene_bodies.cpp
-/// Simulated time [s] at which the time of a checked history is zero.
-double history_zero(const base::Value& history, const Scene&);
+/// From a checked table; refused where it grows without bound during the stages, which are built.
+base::HistoryPtr read_history(const base::Value& checked, const Scene&);
 
 // ---- scene_walls.cpp
 /// How a wall moves; the stages are built.

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "base/error.hpp"
-#include "base/histories.hpp"
 #include "coupling/scene_parts.hpp"
 
 namespace coupling {
@@ -50,7 +49,7 @@ WallLoad read_wall_load(const Value& row, const Scene& scene) {
   load.direction = row.at("direction").vector();
   if (!(base::norm(load.direction) > 0)) fail(row.at("direction"), "must not be zero", "give a direction");
   if (const Value* area = row.find("area")) load.direction *= area->real();
-  load.history = base::make_history(row.at("history"), history_zero(row.at("history"), scene));
+  load.history = read_history(row.at("history"), scene);
   return load;
 }
 

@@ -85,7 +85,9 @@ Setup::Setup(MPI_Comm all, const RunOptions& options_) : options(options_) {
   agree(world, [&] {
     if (!roles->is_fem) return;
     library = std::make_unique<fem::Library>(roles->fem);
-    bodies = fem::Model::create(roles->fem, {scene.bodies, scene.gravity, scene.solver});
+    fem::SolverSettings solver = scene.solver;
+    solver.only_looked_at = options.only_check;
+    bodies = fem::Model::create(roles->fem, {scene.bodies, scene.gravity, solver});
     body_counts = bodies->counts();
     for (const auto& warning : bodies->warnings()) warnings += warning + "\n";
     check_overlaps(scene, body_counts);

@@ -86,12 +86,12 @@ constexpr int smooth_law = -1;
 enum Rolling : int { no_rolling, rolling_a, rolling_c, rolling_brof };
 
 /// Numbers that a contact keeps: the law's, with the ledger one more, then the rolling model's likewise.
-struct ContactNumbers {
+struct HistoryLayout {
   int law = 0, total = 0;  // where the rolling model's begin; all
   unsigned flips = 0;      // see PairParameters
 };
-constexpr ContactNumbers contact_numbers(int law_history, bool ledger, int rolling) {
-  ContactNumbers n;
+constexpr HistoryLayout history_layout(int law_history, bool ledger, int rolling) {
+  HistoryLayout n;
   n.law = law_history + (ledger ? 1 : 0);
   n.total = n.law + (rolling == rolling_c ? kernels::RollingC::history + (ledger ? 1 : 0) : 0);
   if (law_history >= 4) n.flips |= 7u << (law_history - 4);  // shear force

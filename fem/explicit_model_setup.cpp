@@ -174,7 +174,7 @@ ExplicitModel::ExplicitModel(MPI_Comm comm, const Setup& setup)
   }
   assembly_.forget_masses();
   base::release_memory();
-  if (setup_.solver.start_in_equilibrium) start_in_equilibrium();
+  if (setup_.solver.start_in_equilibrium && !setup_.solver.only_looked_at) start_in_equilibrium();
   start_accelerations();
   reset_energy();
 }

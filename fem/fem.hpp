@@ -125,6 +125,7 @@ struct SolverSettings {
   LinearSolver linear_solver = LinearSolver::automatic;
   StepBound step_bound = StepBound::mesh;
   bool start_in_equilibrium = false;  // with the loads of time 0; explicit and Newmark
+  bool only_looked_at = false;        // no step will be taken: that start is not solved for
   Origin origin;
 };
 

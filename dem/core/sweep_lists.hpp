@@ -51,8 +51,8 @@ struct SweepLayout {
   int lanes = 2;  // pairs at once
   bool mixed = false;
   int materials = 1;
-  std::vector<ContactNumbers> numbers;  // per kind
-  std::vector<Sweep> sweeps;            // per kind
+  std::vector<HistoryLayout> histories;  // per kind
+  std::vector<Sweep> sweeps;             // per kind
 };
 
 class SweepLists {
@@ -165,15 +165,15 @@ class SweepLists {
         for (std::size_t k = 0; k < lists.size(); ++k)
           for (int c = 0; c < lists[k].pairs; ++c) {
             if (border && !range.holds(lists[k].first[c])) continue;
-            copy_history(lists[k], c, layout_, layout_.numbers[k].total, history);
-            visit(lists[k].first[c], lists[k].second[c], history, layout_.numbers[k].total);
+            copy_history(lists[k], c, layout_, layout_.histories[k].total, history);
+            visit(lists[k].first[c], lists[k].second[c], history, layout_.histories[k].total);
           }
       }
   }
 
   /// The pair of grains a and b, if it is listed, remembers this from now on.
   void recall(int a, int b, int kind, int numbers, const double* history) {
-    const int low = std::min(a, b), high = std::max(a, b), row = layout_.numbers[kind].total;
+    const int low = std::min(a, b), high = std::max(a, b), row = layout_.histories[kind].total;
     for (SweepRange& range : ranges_) {
       if (!range.holds(low) && !range.holds(high)) continue;
       SweepPairs& list = (range.holds(low) && range.holds(high) ? range.inner : range.border)[kind];
@@ -181,7 +181,8 @@ class SweepLists {
       for (int c = list.start[of]; c < list.start[of + 1]; ++c)
         if (list.first[c] == low && images_.grain(list.second[c]) == high)
           for (int k = 0; k < std::min(row, numbers); ++k)
-            write_history(list, c, k, row, a > b && (layout_.numbers[kind].flips >> k & 1) ? -history[k] : history[k]);
+            write_history(list, c, k, row,
+                          a > b && (layout_.histories[kind].flips >> k & 1) ? -history[k] : history[k]);
     }
   }
 
@@ -241,7 +242,7 @@ class SweepLists {
     images_ = images;
     periods_ = periods;
     const bool same = layout_.lanes == layout.lanes && layout_.mixed == layout.mixed;
-    layout_.numbers = layout.numbers;
+    layout_.histories = layout.histories;
     layout_.sweeps = layout.sweeps;
     return same;
   }
@@ -287,11 +288,11 @@ class SweepLists {
       const SweepPairs& list = lists[kind];
       for (int c = list.start[low - range.begin]; c < list.start[low - range.begin + 1]; ++c)
         if (list.first[c] == low && images.grain(list.second[c]) == high) {
-          const ContactNumbers& numbers = layout.numbers[kind];
-          copy_history(list, c, layout, numbers.total, to);
+          const HistoryLayout& history = layout.histories[kind];
+          copy_history(list, c, layout, history.total, to);
           if (a > b)
-            for (int k = 0; k < numbers.total; ++k)
-              if (numbers.flips >> k & 1) to[k] = -to[k];
+            for (int k = 0; k < history.total; ++k)
+              if (history.flips >> k & 1) to[k] = -to[k];
           return true;
         }
       return false;
@@ -350,7 +351,7 @@ class SweepLists {
     const int lanes = layout_.lanes, blocks = (list.pairs + lanes - 1) / lanes;
     for (auto* rows : {&list.first, &list.second, &list.to_first, &list.to_second})
       if (!rows->empty()) rows->resize(blocks * lanes + sweep_looks_ahead, spare);
-    const int row = layout_.numbers[kind].total;
+    const int row = layout_.histories[kind].total;
     const std::size_t kept_numbers = static_cast<std::size_t>(blocks) * lanes * row;
     if (layout_.mixed)
       list.short_history.resize(kept_numbers);
@@ -358,7 +359,7 @@ class SweepLists {
       list.history.resize(kept_numbers);
     if (old_.empty()) return;
     double kept[maximum_numbers];
-    const int numbers = std::min(row, old_layout.numbers[kind].total);
+    const int numbers = std::min(row, old_layout.histories[kind].total);
     for (int c = 0; c < list.pairs; ++c) {
       const int i = list.first[c], j = images_.grain(list.second[c]);
       const int a = renumbered ? grains.old_of_new[i] : i, b = renumbered ? grains.old_of_new[j] : j;

@@ -139,8 +139,8 @@ class System final : public Simulation {
   PairSearch search(const CellGrid&, Vector<int>& bucket, Vector<int>& bucket_start);
   bool sweeps() const;
   kernels::Interval interval(double dt) const;
-  ContactNumbers numbers_of(const kernels::PairParameters&) const;
-  int history_stride() const { return numbers_of({}).total; }
+  HistoryLayout history_of(const kernels::PairParameters&) const;
+  int history_stride() const { return history_of({}).total; }
 #if !defined(TRACKBED_DEM_CUDA)
   SweepLayout sweep_layout() const;
   template <class Walls>

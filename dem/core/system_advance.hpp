@@ -316,7 +316,7 @@ inline SweepLayout System::sweep_layout() const {
   layout.materials = static_cast<int>(setup_.materials.size());
   for (const auto& pair : grain_parameters_host_) {
     const int history = law_history(pair.law);
-    layout.numbers.push_back(contact_numbers(history, setup_.track_energy, pair.rolling));
+    layout.histories.push_back(history_layout(history, setup_.track_energy, pair.rolling));
     const SweepChoice choice{.law = pair.law,
                              .rolling = pair.rolling,
                              .ledger = setup_.track_energy,

@@ -54,7 +54,7 @@ inline void System::upload_parameters() {
   }
   // Where the laws differ from pair to pair, a row of numbers is as long as the longest.
   for (auto* table : {&grain_parameters_host_, &wall_parameters_host_})
-    for (auto& pair : *table) pair.flips = numbers_of(pair).flips;
+    for (auto& pair : *table) pair.flips = history_of(pair).flips;
   upload(densities, density_);
   upload(grain_parameters_host_, grain_parameters_);
   upload(wall_parameters_host_, wall_parameters_);
@@ -69,14 +69,14 @@ inline void System::upload_parameters() {
 }
 
 /// What one contact of this pair keeps when contacts are taken one by one: the rolling numbers end the row.
-inline ContactNumbers System::numbers_of(const kernels::PairParameters& pair) const {
+inline HistoryLayout System::history_of(const kernels::PairParameters& pair) const {
   const int law = smooth_ ? 0 : mixed_laws_ ? AnyLaw::history : kernels::HertzMindlin::history;
   const bool ledger = setup_.track_energy;
-  ContactNumbers numbers = contact_numbers(law, ledger, couples_ ? rolling_c : no_rolling);
+  HistoryLayout layout = history_layout(law, ledger, couples_ ? rolling_c : no_rolling);
   const int own = law_history(pair.law);
-  numbers.flips = contact_numbers(own, ledger, no_rolling).flips;
-  if (couples_) numbers.flips |= 7u << numbers.law;
-  return numbers;
+  layout.flips = history_layout(own, ledger, no_rolling).flips;
+  if (couples_) layout.flips |= 7u << layout.law;
+  return layout;
 }
 
 inline void System::set_masses() {

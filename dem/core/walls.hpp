@@ -290,8 +290,10 @@ class Walls {
   void listed_here(double share) {
     for (HostWall& w : walls) {
       w.rigid_shift = {};
-      if (w.motion == WallMotion::body) w.shift_from = 0;
-      if (w.listed.empty()) continue;
+      if (w.listed.empty()) {  // bodies, and what was one: nothing of the way before counts
+        w.shift_from = w.shift_to = 0;
+        continue;
+      }
       if (w.motion != WallMotion::target || w.fresh_target) {
         w.listed.clear();
         w.shift_from = w.shift_to = 0;

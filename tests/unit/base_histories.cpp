@@ -111,6 +111,28 @@ TEST(Histories, FormulaOfTime) {
     EXPECT_NE(std::string(error.what()).find("\"1 / (t - 1)\"; is no finite number at t = 1 s"), std::string::npos)
         << error.what();
   }
+  const auto refusal = [](const char* expression, double zero = 0) -> std::string {
+    Value raw(Table{{"kind", text("formula")}, {"expression", text(expression)}, {"value", text("2 kN")}});
+    raw.key = "history";
+    try {
+      base::require_bounded(base::check(raw, base::history_family("N")), zero, 2);
+    } catch (const base::UserError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  // Instants that no sample and no step of a run would meet, of either order, and at the end.
+  for (const char* wrong : {"1 / (t - sqrt(2))", "1 / (t - sqrt(2))^2", "tan(t * pi / 2 / sqrt(2))"})
+    EXPECT_NE(refusal(wrong).find("\"; grows without bound at t = 1.41421 s; keep its pole out of the run's time"),
+              std::string::npos)
+        << wrong << ": " << refusal(wrong);
+  EXPECT_NE(refusal("1 / (t - sqrt(2))", 0.5).find("at t = 1.41421 s"), std::string::npos);
+  EXPECT_NE(refusal("sqrt(t - 1)").find("is no finite number at t = 0 s"), std::string::npos);
+  // Peaks that are steep only, jumps, a finite impulse, a pole that comes after the end.
+  for (const char* right : {"1 / ((t - sqrt(2))^2 + 1e-12)", "t < sqrt(2) ? -1e9 : 1", "exp(-((t - sqrt(2)) * 3e4)^2)",
+                            "1 / sqrt(abs(t - sqrt(2)))", "1 / (t - 2.1)", "0", "sin(2 * pi * 80 * t)"})
+    EXPECT_EQ(refusal(right), "") << right;
+  EXPECT_EQ(refusal("1 / (t - sqrt(2))", 1), "");
   for (const char* wrong : {"sin(x)", "2 *", "", "sin(t"}) {
     const auto message = error_of({{"kind", text("formula")}, {"expression", text(wrong)}, {"value", number(1)}});
     EXPECT_NE(message.find("must be an expression of t: "), std::string::npos) << wrong << ": " << message;

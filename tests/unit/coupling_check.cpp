@@ -93,6 +93,28 @@ TEST(Check, BodiesAloneStartNoGrains) {
   expect_in(text, "0 DEM steps");
 }
 
+// A cube of soil pulled with 1 MPa, fifty times its cohesion: there is no equilibrium, but that is for the run to find,
+// as a search may take long. What check prints does not need it.
+TEST(Check, SearchesForNoEquilibrium) {
+  const std::string mesh = std::string(TRACKBED_SOURCE_FOLDER) + "/meshes/box.geo";
+  const std::string cube =
+      "[[body]]\nname = \"soil\"\nmesh = \"" + mesh +
+      "\"\nmesh_parameters = { length = 1.0, width = 1.0, height = 1.0, cells_x = 1, cells_y = 1, cells_z = 1 }\n"
+      "[[body.material]]\nlaw = \"drucker_prager\"\nyoung_modulus = \"60 MPa\"\npoisson_ratio = 0.3\n"
+      "density = 1800\ncohesion = \"20 kPa\"\nfriction_angle = \"30 deg\"\ndilation_angle = \"30 deg\"\n"
+      "fit = \"outer\"\n"
+      "[[body.support]]\ngroup = \"x_min\"\nfix = [\"x\"]\n[[body.support]]\ngroup = \"y_min\"\nfix = [\"y\"]\n"
+      "[[body.support]]\ngroup = \"z_min\"\nfix = [\"z\"]\n"
+      "[[body.load]]\nname = \"pull\"\ngroup = \"z_max\"\nkind = \"face_total\"\ndirection = [0.0, 0.0, 1.0]\n"
+      "history = { kind = \"constant\", value = \"1 MN\" }\n"
+      "[[stage]]\nname = \"go\"\nduration = 0.1\n[fem]\nstart = \"equilibrium\"\n";
+  const std::string text = check_of(cube);
+  expect_in(text, "bodies: explicit, from the equilibrium under the loads of time 0\n");
+  expect_in(text, "  stage go: 0.1 s");
+  // That there is none, and what was left out is no more than the search: what holds nothing is refused as before.
+  expect_in(check_of(cube, {{"body.soil.support.2.fix", "[\"x\"]"}}), "there is no equilibrium");
+}
+
 // A linear spring k on a node of mass M, 1 : 1: 2 / sqrt(k / M), the block next to no spring of its own. 10 : 1: the
 // force acts (1 - 1/10) / 2 of a window late.
 TEST(Check, CoupledLimitAndLagAreSaid) {

@@ -149,6 +149,40 @@ TEST(DemWallBody, RemovedWallTakesItsEnergyAlong) {
   EXPECT_NEAR(after.kinetic + after.elastic_normal, 0.5 * before.elastic_normal, 1e-4 * before.elastic_normal);
 }
 
+// A grain flies, a body flies far from it until the lists are about to be made anew, and is taken away. From then on
+// lists are made as often as for the grain alone; a way of the body that is kept for good would be missing from what
+// the grain may go, and make them several times as often.
+TEST(DemWallBody, RemovedBodyLeavesTheListsAlone) {
+  auto setup = setup_of(0, 1);
+  setup.gravity = {};
+  const double speed = 1, dt = 1e-5;
+  const auto rebuilds = [&](bool with_body) {
+    const auto sim = dem_test::create(setup);
+    const int wall = sim->add_mesh(plate(0.1, 0.1, 5), 0, true);
+    sim->add_grains(std::vector<dem::Grain>{{.position = {0, 0, 0}, .radius = 0.02, .id = 1}});
+    if (with_body) {
+      sim->set_wall_body(wall, {.centre = {0, 0, 5}, .mass = 1, .moves = {false, false, false}});
+      sim->set_wall_velocity(wall, {0, 0, speed});
+      sim->advance(0, dt);
+      const auto first = sim->counts().rebuilds;
+      int steps = 0;  // from one list to the next
+      for (; sim->counts().rebuilds == first; ++steps) sim->advance(1, dt);
+      sim->advance(static_cast<int>(0.9 * steps), dt);
+      EXPECT_EQ(sim->counts().rebuilds, first + 1);
+    }
+    sim->remove_wall(wall);
+    sim->add_grains(
+        std::vector<dem::Grain>{{.position = {0, 1, 0}, .radius = 0.02, .velocity = {speed, 0, 0}, .id = 2}});
+    sim->advance(0, dt);
+    const auto before = sim->counts().rebuilds;
+    sim->advance(20000, dt);
+    return sim->counts().rebuilds - before;
+  };
+  const auto alone = rebuilds(false);
+  EXPECT_GT(alone, 5);
+  EXPECT_EQ(rebuilds(true), alone);
+}
+
 // A light plate on a sphere on the floor, frictionless: springs k below and k' above, masses m and M. The bound must
 // lie below the exact limit 2 / omega_max of the two, and not far below.
 TEST(DemWallBody, LightPlateLimitsTheStep) {
