@@ -19,10 +19,12 @@
 namespace coupling {
 namespace {
 
-constexpr double pour_fraction = 0.28;     // solid fraction of the grains before they fall
-constexpr double calm = 3e-3;              // kinetic energy over m g r at which grains count as at rest (some 3 cm/s)
-constexpr double chunk = 0.01;             // [s] between looks at the state
-constexpr double contact_safety = 0.9;     // of the step that the live contacts allow now, until the next look
+constexpr double pour_fraction = 0.28;  // solid fraction of the grains before they fall
+constexpr double calm = 3e-3;           // kinetic energy over m g r at which grains count as at rest (some 3 cm/s)
+constexpr double chunk = 0.01;          // [s] between looks at the state
+/// Times the step that the live contacts allow now, until the next look. Their bound adds up the springs and dashpots
+/// of a grain as if all acted along one line; grains that settle have been stable up to about twice of it.
+constexpr double contact_safety = 2.0;
 constexpr double contact_recovery = 1.1;   // by which that step may grow from look to look: impacts come in crowds
 constexpr double absurd_pressure = 0.5e6;  // [Pa] mean under the plate
 constexpr double bedding_share = 0.25;     // of the plate's speed, at which a body is set down on the layer below
