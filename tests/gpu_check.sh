@@ -66,7 +66,7 @@ for tool in cmake ninja c++; do command -v "$tool" >/dev/null || missing+=("$too
 
 # ---- build: everything, or the grains alone
 mkdir -p "$logs"
-rm -f "$logs"/*
+rm -rf "${logs:?}"/* # a coupled run leaves a folder
 results=() # rows of the table
 failed=0
 note() { # STEP RESULT SECONDS
@@ -216,6 +216,10 @@ measure() {
 # ---- coupled: the quick sleeper on stones of ten spheres
 couple() {
   local limit share
+  if [[ $backend == omp ]]; then
+    note "one sleeper on clumps, coupled" "not rehearsed: needs the whole of Trackbed" 0
+    return
+  fi
   limit=$(seconds 120)
   if ((limit < 5 || !coupled)); then
     lack "one sleeper on clumps, coupled" "not run: $( ((coupled)) && echo no time left || echo needs the whole of Trackbed)" 0

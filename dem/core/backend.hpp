@@ -169,8 +169,10 @@ constexpr int serial_length = 256;
 constexpr int kernel_threads = 128;  // of a block
 inline unsigned blocks_of(int n) { return (static_cast<unsigned>(n) + kernel_threads - 1) / kernel_threads; }
 
+/// (__grid_constant__: where a function is not inlined, it would otherwise be handed a copy of the functor that every
+/// thread makes for itself.)
 template <class Functor>
-__global__ void __launch_bounds__(kernel_threads) each_kernel(int n, Functor functor) {
+__global__ void __launch_bounds__(kernel_threads) each_kernel(int n, const __grid_constant__ Functor functor) {
   const int index = static_cast<int>(blockIdx.x * kernel_threads + threadIdx.x);
   if (index < n) functor(index);
 }

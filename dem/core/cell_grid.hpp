@@ -73,9 +73,8 @@ inline void bucket_starts(const Vector<int>& sorted, int buckets, Vector<int>& s
   thrust::lower_bound(policy(), sorted.begin(), sorted.end(), first, first + buckets + 1, start.begin());
 }
 
-/// In place: counts become starts, with the total appended. Returns the total.
+/// In place: counts become starts; behind the counts is one entry more, which becomes the total. Returns the total.
 inline int counts_to_starts(Vector<int>& counts) {
-  counts.push_back(0);
   thrust::exclusive_scan(policy(), counts.begin(), counts.end(), counts.begin());
   return counts.back();
 }

@@ -2,10 +2,36 @@
 // Forces between grains, one call per candidate pair: how a GPU does it. Everything a pair leaves behind goes to its
 // own rows, so the pass needs no atomics and its result does not depend on the number of threads. Processors use the
 // sweep (dem/sweep.hpp) instead; both call the same law.
+#include "dem/core/queue.hpp"
 #include "dem/core/rows.hpp"
 #include "dem/laws.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
+
+/// What one contact keeps from step to step, out of its row in a column of such.
+template <class Real, int numbers>
+struct Kept {
+  Real number[numbers > 0 ? numbers : 1] = {};
+
+  Kept() = default;
+  TRACKBED_HD Kept(const Real* column, int c) {
+    for (int k = 0; k < numbers; ++k) number[k] = column[static_cast<std::size_t>(c) * numbers + k];
+  }
+  TRACKBED_HD void write(Real* column, int c) const {
+    for (int k = 0; k < numbers; ++k) column[static_cast<std::size_t>(c) * numbers + k] = number[k];
+  }
+};
+
+/// k_t [N/m] of a contact after press(): shear_stiffness_of(), where the law is known.
+template <class Law, class Real, int numbers>
+TRACKBED_HD Real shear_stiffness_after(const kernels::PairParameters& pair, const Kept<Real, numbers>& kept) {
+  if constexpr (std::is_same_v<Law, AnyLaw>)
+    return shear_stiffness_of(pair, kept.number);
+  else if constexpr (Law::history > 0)
+    return pair.law == smooth_law ? Real{} : kept.number[Law::history - 1];
+  else
+    return {};
+}
 
 /// What two spheres are to each other, apart from their law. Real: what the law is computed in.
 template <class Real>
@@ -65,84 +91,98 @@ struct PairGeometry {
 };
 
 /// In mixed precision Real is float: the law, the numbers that a pair keeps and its result. Sums over pairs, those of
-/// the ledger among them, stay double.
-template <class Law, class Real>
+/// the ledger among them, stay double. What a pair keeps is of a length that the compiler knows, so that it lies in
+/// registers: Ledger: energies are tracked; Couples: some rolling model acts in the contact.
+template <class Law, class Real, bool Ledger, bool Couples>
 struct ContactPass {
+  static constexpr int numbers = contact_numbers(Law::history, Ledger, Couples ? rolling_c : no_rolling).total;
+
   PairGeometry geometry;
   const int *first, *second;  // rows
   const int* pair;            // index into parameters; null: one material
   const kernels::PairParameters* parameters;
-  Real* history;  // history_stride numbers per pair
-  int history_stride;
+  Real* history;  // `numbers` of each pair
   PairForce<Real>* result;
   Vector3<Real>* couple;  // [N m] on i besides its force's; null: no model makes one
-  ContactLedger* ledger;  // null: not tracked
+  ContactLedger* ledger;  // of group_size pairs each; null: not tracked
+  const int* partner;     // as `second`, but never an image
+  int first_ghost;        // the other half of a pair with a ghost counts elsewhere
   int* unstable;
   double maximum_overlap;  // share of the smaller radius
   kernels::Interval time;
 
   TRACKBED_FLATTEN TRACKBED_HD void operator()(int c) const {
-    if (ledger)
-      press<true>(c);
-    else
-      press<false>(c);
+    Sums<5> unused;
+    press(c, unused);
+  }
+  /// Adds to loss_friction, loss_damping, elastic_normal, elastic_shear, loss_rolling.
+  TRACKBED_FLATTEN TRACKBED_HD void operator()(int c, Sums<5>& noted) const { press(c, noted); }
+
+  TRACKBED_HD void book(int group, const Sums<5>& noted) const {
+    ContactLedger& l = ledger[group];
+    l.loss_friction += noted.value[0];
+    l.loss_damping += noted.value[1];
+    l.elastic_normal = noted.value[2];
+    l.elastic_shear = noted.value[3];
+    l.loss_rolling += noted.value[4];
   }
 
-  template <bool Ledger>
-  TRACKBED_ONE_FUNCTION TRACKBED_HD void press(int c) const {
+ private:
+  using Kept = dem::TRACKBED_DEM_SYSTEM::Kept<Real, numbers>;
+
+  TRACKBED_HD double share(int c) const { return second[c] < first_ghost || partner[c] < first_ghost ? 1 : 0.5; }
+
+  TRACKBED_HD void press(int c, Sums<5>& noted) const {
     const int i = first[c], j = second[c];
     Meeting<Real> meeting;
     if (!geometry.meet(i, j, meeting)) {
-      if (result[c].half_overlap > 0) leave<Ledger>(c);
+      if (result[c].half_overlap > 0) leave(c, noted);
       return;
     }
     const auto& touch = meeting.touch;
     const double smaller = std::fmin(geometry.place[i].radius, geometry.place[j].radius);
     if (touch.overlap > maximum_overlap * smaller) *unstable = overlap_too_large;
     const kernels::PairParameters& material = parameters[pair ? pair[c] : 0];
-    Real local[maximum_numbers] = {};
-    for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];
-    const auto contact = Law::template press<Ledger>(material, touch, time, local);
+    Kept kept(history, c);
+    const auto contact = Law::template press<Ledger>(material, touch, time, kept.number);
     kernels::Moment<Real> turned;
-    if (couple) {
-      Real* numbers = local + history_stride - rolling_numbers(Ledger);
-      const Real k_t = shear_stiffness_of(material, local);
-      turned = resist_rolling<Ledger>(material, meeting, contact.normal_force, k_t, time, numbers);
+    if constexpr (Couples) {
+      const Real k_t = shear_stiffness_after<Law>(material, kept);
+      turned = resist_rolling<Ledger>(material, meeting, contact.normal_force, k_t, time,
+                                      kept.number + numbers - rolling_numbers(Ledger));
       couple[c] = turned.moment;
     }
-    for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = local[k];
+    kept.write(history, c);
 
-    PairForce<Real>& row = result[c];
-    row.force = contact.force;
-    row.rolling =
-        material.rolling == rolling_brof ? Real(material.rolling_friction * smaller) * contact.normal_force : Real{};
-    row.moment = cross(touch.normal, contact.force);
-    row.half_overlap = Real(0.5) * touch.overlap;
+    PairForce<Real> answer;
+    answer.force = contact.force;
+    if (material.rolling == rolling_brof)
+      answer.rolling = Real(material.rolling_friction * smaller) * contact.normal_force;
+    answer.moment = cross(touch.normal, contact.force);
+    answer.half_overlap = Real(0.5) * touch.overlap;
+    result[c] = answer;
     if constexpr (Ledger) {
-      ContactLedger& l = ledger[c];
-      l.loss_friction += contact.loss_friction;
-      l.loss_damping += contact.loss_damping;
-      l.elastic_normal = contact.elastic_normal;
-      l.elastic_shear = contact.elastic_shear + turned.elastic;
-      l.loss_rolling += turned.loss;
+      const double part = share(c);
+      noted.value[0] += part * contact.loss_friction;
+      noted.value[1] += part * contact.loss_damping;
+      noted.value[2] += part * contact.elastic_normal;
+      noted.value[3] += part * (contact.elastic_shear + turned.elastic);
+      noted.value[4] += part * turned.loss;
     }
   }
 
   /// The pair has come apart: its springs let go of what they stored.
-  template <bool Ledger>
-  TRACKBED_ONE_FUNCTION TRACKBED_HD void leave(int c) const {
+  TRACKBED_HD void leave(int c, Sums<5>& noted) const {
     result[c] = {};
-    if (couple) couple[c] = {};
+    if constexpr (Couples) couple[c] = {};
     if constexpr (Ledger) {
-      Real local[maximum_numbers] = {};
-      for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];
+      Kept kept(history, c);
       const kernels::PairParameters& material = parameters[pair ? pair[c] : 0];
-      ledger[c].loss_friction += Law::template press<true>(material, {}, time, local).loss_friction;
-      if (couple) ledger[c].loss_rolling += local[history_stride - 1];
-      ledger[c].elastic_normal = 0;
-      ledger[c].elastic_shear = 0;
+      const double part = share(c);
+      noted.value[0] += part * Law::template press<true>(material, {}, time, kept.number).loss_friction;
+      if constexpr (Couples) noted.value[4] += part * kept.number[numbers - 1];
     }
-    for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = 0;
+    Kept{}.write(history, c);
   }
 };
 

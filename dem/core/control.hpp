@@ -24,7 +24,7 @@ struct Control {
   int halts = 0;          // this step is not done
   NumberBits moved = 0;   // [m2] largest square that a grain has moved since the lists were made; infinite: not finite
   double wall_shift = 0;  // [m] bound of what walls have moved since then
-  int trouble[2] = {};    // Trouble: overlap, wall contacts; each is written by one kind of pass with one value
+  int trouble = 0;        // Trouble: all that write it write the same
 
   TRACKBED_HD bool finite() const { return number_of(moved) < HUGE_VAL; }
   TRACKBED_HD bool lists_are_stale() const {
@@ -32,19 +32,27 @@ struct Control {
     return !(2 * way <= tight) || (walls && way + wall_shift > skin);
   }
   TRACKBED_HD bool stays() const { return halts || lists_are_stale(); }
-  TRACKBED_HD int met() const { return trouble[1] ? trouble[1] : trouble[0]; }
-  TRACKBED_HD bool ends_here() const { return stays() || met(); }
+  TRACKBED_HD bool ends_here() const { return stays() || trouble; }
   /// Of the window's way, when this step is done.
   TRACKBED_HD double share() const { return static_cast<double>(step) / steps; }
 };
 
-/// A pass that is part of a step after its motion.
+/// A pass that is part of a step after its motion; where it notes sums down, for Queue::launch_groups().
 template <class Functor>
 struct UnlessStale {
   const Control* control;
   Functor functor;
-  TRACKBED_FLATTEN TRACKBED_HD void operator()(int index) const {
+  TRACKBED_HD void operator()(int index) const {
     if (!control->stays()) functor(index);
+  }
+  TRACKBED_HD bool idle() const { return control->stays(); }
+  template <int N>
+  TRACKBED_HD void operator()(int index, Sums<N>& sums) const {
+    functor(index, sums);
+  }
+  template <int N>
+  TRACKBED_HD void book(int group, const Sums<N>& sums) const {
+    functor.book(group, sums);
   }
 };
 template <class Functor>

@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "dem/core/grains.hpp"
+#include "dem/core/queue.hpp"
 #include "dem/laws.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
@@ -76,17 +77,19 @@ struct ContactMemory {
   int kind = 0;  // materials of the pair; facet
   int numbers = 0;
   double history[maximum_numbers] = {};
-  double elastic_normal = 0, elastic_shear = 0;  // [J] where it has a ledger of its own
+  double elastic_normal = 0, elastic_shear = 0;  // [J] at a facet
   WallState state;
 };
 
 struct Ghosts {
-  int first = 0;                         // row of the first ghost
-  std::vector<SphereKey> keys;           // of every own row and ghost as they were listed
-  std::array<int, 2> count{};            // ghosts from below, from above; in this order behind the own rows
-  std::array<double, 2> shift{};         // [m] along x that the ghosts of that side lie away from their originals
-  std::array<Vector<int>, 2> sent;       // rows whose ghosts the neighbours have
-  std::array<Vector<double>, 2> packed;  // rows on their way out, in
+  int first = 0;                    // row of the first ghost
+  std::vector<SphereKey> keys;      // of every own row and ghost as they were listed
+  std::array<int, 2> count{};       // ghosts from below, from above; in this order behind the own rows
+  std::array<double, 2> shift{};    // [m] along x that the ghosts of that side lie away from their originals
+  std::array<Vector<int>, 2> sent;  // rows whose ghosts the neighbours have
+  // Rows on their way, here and on the host:
+  std::array<Vector<double>, 2> leaving, arriving;
+  std::array<HostRows<double>, 2> leaving_host, arriving_host;
   std::array<Company::Letter, 2> out, in;
   std::vector<double> cuts;  // [m] between the parts, rising; empty: no grains so far
   /// That hold from the next advance() on; empty: the same. So that it is known between two advances which grains the

@@ -132,9 +132,17 @@ struct Grains {
   /// Rows past the first n that touch nothing: of images, until these are put in their places, and spare ones.
   void make_spare_rows(int grains_and_ghosts, int rows) {
     const auto n = static_cast<std::size_t>(grains_and_ghosts);
+    make_room(n + rows);
     append(place, std::vector<Place>(rows, {{}, -1}), n);
     append(motion, std::vector<Quad>(parts * rows, {{}, 1}), parts * n);
     append(pull, std::vector<Quad>(parts * rows), parts * n);
+  }
+
+  /// Room for so many rows with those of ghosts and images, and no more: a list that grows by a few would double.
+  void make_room(std::size_t rows) {
+    place.reserve(rows);
+    motion.reserve(parts * rows);
+    pull.reserve(parts * rows);
   }
 
   std::size_t bytes() const {

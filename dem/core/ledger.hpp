@@ -6,22 +6,19 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 
 struct SumPairs {  // loss_friction, loss_damping, elastic_normal, elastic_shear, loss_rolling
   const ContactLedger* ledger;
-  const int* second;
-  int first_ghost;  // the other half of a pair with a ghost counts elsewhere
-  TRACKBED_HD void operator()(int c, Sums<5>& s) const {
-    const ContactLedger& l = ledger[c];
-    const double share = second[c] < first_ghost ? 1 : 0.5;
-    s.value[0] += share * l.loss_friction;
-    s.value[1] += share * l.loss_damping;
-    s.value[2] += share * l.elastic_normal;
-    s.value[3] += share * l.elastic_shear;
-    s.value[4] += share * l.loss_rolling;
+  TRACKBED_HD void operator()(int k, Sums<5>& s) const {
+    const ContactLedger& l = ledger[k];
+    s.value[0] += l.loss_friction;
+    s.value[1] += l.loss_damping;
+    s.value[2] += l.elastic_normal;
+    s.value[3] += l.elastic_shear;
+    s.value[4] += l.loss_rolling;
   }
 };
 struct ClearPairLosses {
   ContactLedger* ledger;
-  TRACKBED_HD void operator()(int c) const {
-    ledger[c].loss_friction = ledger[c].loss_damping = ledger[c].loss_rolling = 0;
+  TRACKBED_HD void operator()(int k) const {
+    ledger[k].loss_friction = ledger[k].loss_damping = ledger[k].loss_rolling = 0;
   }
 };
 

@@ -110,7 +110,7 @@ struct LinkOthers {
   }
 };
 
-/// The materials of a pair, and the history it had under the old list and numbering.
+/// The materials of a pair, and the history it had under the old list and numbering, which names touching pairs only.
 template <class Real>
 struct CarryPairs {
   const int *first, *second;
@@ -124,35 +124,80 @@ struct CarryPairs {
   Real* history;
   int old_stride, stride;                     // numbers per pair
   const kernels::PairParameters* parameters;  // .flips
-  const ContactLedger* old_ledger;
-  ContactLedger* ledger;
-  const PairForce<Real>* old_result;
-  PairForce<Real>* result;
+  char* touching;                             // 1: the pair touched
 
   TRACKBED_HD void operator()(int c) const {
     const int i = first[c], j = second[c];
     if (pair) pair[c] = material[i] * materials + material[j];
-    result[c] = {};
-    for (int k = 0; k < stride; ++k) history[c * stride + k] = 0;
-    if (ledger) ledger[c] = {};
+    touching[c] = 0;
+    Real* const now = history + static_cast<std::size_t>(c) * stride;
+    for (int k = 0; k < stride; ++k) now[k] = 0;
     const int a = old_of_new[i], b = old_of_new[j];
     if (!old_start || a < 0 || b < 0) return;
     const int low = a < b ? a : b, high = a < b ? b : a;
     if (low >= old_rows) return;
     const int old = find_sorted(old_second, old_start[low], old_start[low + 1], high);
-    if (old < 0 || !(old_result[old].half_overlap > 0)) return;
-    result[c] = old_result[old];
-    if (a > b) result[c].force = -result[c].force;  // the moment, normal × force, stays
-    if (ledger && old_ledger) {
-      ledger[c].elastic_normal = old_ledger[old].elastic_normal;
-      ledger[c].elastic_shear = old_ledger[old].elastic_shear;
-    }
+    if (old < 0) return;
+    touching[c] = 1;
+    const Real* const before = old_history + static_cast<std::size_t>(old) * old_stride;
     const unsigned flips = parameters[material[i] * materials + material[j]].flips;
-    for (int k = 0; k < stride && k < old_stride; ++k) {
-      const Real kept = old_history[old * old_stride + k];
-      history[c * stride + k] = a > b && (flips >> k & 1) ? -kept : kept;
-    }
+    for (int k = 0; k < stride && k < old_stride; ++k) now[k] = a > b && (flips >> k & 1) ? -before[k] : before[k];
   }
 };
+
+/// That pairs touched is all that the next forces need of the last ones.
+template <class Real>
+struct StartResults {
+  const char* touching;
+  PairForce<Real>* result;
+  TRACKBED_HD void operator()(int c) const {
+    result[c] = {};
+    result[c].half_overlap = touching[c];
+  }
+};
+/// The same for the pairs of a list.
+template <class Real>
+struct MarkTouching {
+  const int* pair;
+  PairForce<Real>* result;
+  TRACKBED_HD void operator()(int k) const {
+    if (!(result[pair[k]].half_overlap > 0)) result[pair[k]].half_overlap = 1;
+  }
+};
+
+// ---- touching pairs alone
+template <class Real>
+struct IsTouching {
+  const PairForce<Real>* result;
+  int* is;
+  TRACKBED_HD void operator()(int c) const { is[c] = result[c].half_overlap > 0; }
+};
+/// Starts of rows, when of all pairs up to each only so many stay.
+struct MoveStarts {
+  const int* staying;  // of the pairs up to this one, itself included
+  int* start;
+  TRACKBED_HD void operator()(int g) const { start[g] = start[g] > 0 ? staying[start[g] - 1] : 0; }
+};
+/// Rows of `parts` numbers of those that stay.
+template <class T>
+struct KeepStaying {
+  const int* staying;
+  const T* from;
+  T* to;
+  int parts;
+  TRACKBED_HD void operator()(int c) const {
+    const int at = c > 0 ? staying[c - 1] : 0;
+    if (staying[c] == at) return;
+    for (int k = 0; k < parts; ++k)
+      to[static_cast<std::size_t>(at) * parts + k] = from[static_cast<std::size_t>(c) * parts + k];
+  }
+};
+template <class T>
+void keep_staying(Vector<T>& v, const Vector<int>& staying, int kept, int parts = 1) {
+  if (v.empty()) return;
+  Vector<T> left(static_cast<std::size_t>(kept) * parts);
+  launch(static_cast<int>(staying.size()), KeepStaying<T>{pointer(staying), pointer(v), pointer(left), parts});
+  v.swap(left);
+}
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM

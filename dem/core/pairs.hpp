@@ -25,7 +25,7 @@ struct PairColumns {
   int history_stride = 0;
   PairNumbers<double> full;      // the one or the other, by the precision
   PairNumbers<float> mixed;      //
-  Vector<ContactLedger> ledger;  // empty: not tracked
+  Vector<ContactLedger> ledger;  // of group_size pairs each; empty: not tracked
 
   template <class Real>
   PairNumbers<Real>& numbers() {
@@ -43,6 +43,29 @@ struct PairColumns {
   std::size_t bytes() const {
     return bytes_of(own_start) + bytes_of(other_start) + bytes_of(other) + bytes_of(first) + bytes_of(second) +
            bytes_of(second_row) + bytes_of(pair) + full.bytes() + mixed.bytes() + bytes_of(ledger);
+  }
+
+  /// Leaves what a new list takes over: touching pairs, with their histories. So the columns of two whole lists never
+  /// exist at the same time, and the memory that a run needs is that of its steps.
+  template <class Real>
+  void keep_touching() {
+    auto& kept = numbers<Real>();
+    release(other_start);
+    release(second_row);
+    release(pair);
+    release(ledger);
+    release(kept.couple);
+    if (kept.result.empty()) return;  // done already
+    Vector<int> staying;
+    staying.swap(other);  // as long as the list
+    launch(size(), IsTouching<Real>{pointer(kept.result), pointer(staying)});
+    release(kept.result);
+    thrust::inclusive_scan(policy(), staying.begin(), staying.end(), staying.begin());
+    launch(static_cast<int>(own_start.size()), MoveStarts{pointer(staying), pointer(own_start)});
+    const int left = staying.back();
+    keep_staying(kept.history, staying, left, history_stride);
+    keep_staying(first, staying, left);
+    keep_staying(second, staying, left);
   }
 
   /// Host copy of the histories.
@@ -108,14 +131,13 @@ struct FindImages {
   }
 };
 
-/// What the pairs of the new list had in the old one.
+/// What the pairs of the new list had in the old one, which is gone after that.
 template <class Real>
-void carry_pairs(const Grains& grains, const PairColumns& old, const PairOptions& options, PairColumns& list) {
+void carry_pairs(const Grains& grains, PairColumns& old, const PairOptions& options, PairColumns& list) {
   auto& numbers = list.numbers<Real>();
   const auto& had = old.numbers<Real>();
   const int pairs = list.size();
-  numbers.result.resize(pairs);
-  if (options.couples) numbers.couple.resize(pairs);
+  Vector<char> touching(pairs);
   numbers.history.resize(static_cast<std::size_t>(pairs) * options.history);
   launch(pairs, CarryPairs<Real>{.first = pointer(list.first),
                                  .second = pointer(list.second),
@@ -131,19 +153,21 @@ void carry_pairs(const Grains& grains, const PairColumns& old, const PairOptions
                                  .old_stride = old.history_stride,
                                  .stride = list.history_stride,
                                  .parameters = options.parameters,
-                                 .old_ledger = pointer(old.ledger),
-                                 .ledger = pointer(list.ledger),
-                                 .old_result = pointer(had.result),
-                                 .result = pointer(numbers.result)});
+                                 .touching = pointer(touching)});
+  old = {};
+  numbers.result.resize(pairs);
+  if (options.couples) numbers.couple.resize(pairs);
+  launch(pairs, StartResults<Real>{pointer(touching), pointer(numbers.result)});
 }
 
-/// A new list for grains sorted by bucket; histories come from `old`, whose numbering grains.old_of_new refers to.
-inline PairColumns build_pairs(const Grains& grains, const PairSearch& search, const PairColumns& old,
+/// A new list for grains sorted by bucket; histories come from `old` after keep_touching(), whose numbering
+/// grains.old_of_new refers to.
+inline PairColumns build_pairs(const Grains& grains, const PairSearch& search, PairColumns old,
                                const PairOptions& options) {
   const int n = grains.size();
   PairColumns list;
-  list.own_start.resize(n);
-  list.other_start.resize(n);
+  list.own_start.resize(n + 1);
+  list.other_start.resize(n + 1);
   launch(n, CountPairs{search, pointer(list.own_start), pointer(list.other_start)});
   const int pairs = counts_to_starts(list.own_start);
   counts_to_starts(list.other_start);
@@ -161,7 +185,7 @@ inline PairColumns build_pairs(const Grains& grains, const PairSearch& search, c
   }
   if (options.materials > 1) list.pair.resize(pairs);
   list.history_stride = options.history;
-  if (options.ledger) list.ledger.resize(pairs);
+  if (options.ledger) list.ledger.resize(groups_of(pairs));
   with_numbers(options.precision, [&]<class Real>() { carry_pairs<Real>(grains, old, options, list); });
   return list;
 }

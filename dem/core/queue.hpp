@@ -6,6 +6,7 @@
 //
 // The stream is of the kind that waits for the default stream and for which the default stream waits: list builds,
 // which Thrust does there, need no events.
+#include <algorithm>
 #include <functional>
 
 #include "dem/core/backend.hpp"
@@ -29,12 +30,16 @@ TRACKBED_HD inline double number_of(NumberBits bits) {
 constexpr int steps_without_graph = 4;
 /// Threads that share one sum, each with every so many-th term.
 constexpr int sum_threads = 256;
+/// Indices that follow each other and note their sums down together: a warp.
+constexpr int group_size = 32;
+constexpr int groups_of(int n) { return (n + group_size - 1) / group_size; }
 
 #if defined(TRACKBED_DEM_CUDA)
 
 template <class Functor>
-__global__ void largest_kernel(int n, Functor functor, NumberBits* largest) {
-  const int index = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+__global__ void __launch_bounds__(kernel_threads)
+    largest_kernel(int n, const __grid_constant__ Functor functor, NumberBits* largest) {
+  const int index = static_cast<int>(blockIdx.x * kernel_threads + threadIdx.x);
   NumberBits bits = index < n ? bits_of(functor(index)) : 0;
   for (int lane = 16; lane > 0; lane /= 2) {
     const NumberBits other = __shfl_xor_sync(0xffffffffu, bits, lane);
@@ -45,7 +50,7 @@ __global__ void largest_kernel(int n, Functor functor, NumberBits* largest) {
 }
 
 template <int N, class Functor>
-__global__ void sum_kernel(int n, Functor functor) {
+__global__ void __launch_bounds__(sum_threads) sum_kernel(int n, const __grid_constant__ Functor functor) {
   __shared__ double partial[sum_threads][N];
   const int result = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
   if (functor.skip(result)) return;
@@ -60,6 +65,18 @@ __global__ void sum_kernel(int n, Functor functor) {
   for (int k = 0; k < N && thread == 0; ++k) sums.value[k] = partial[0][k];
   if (thread == 0) functor.finish(result, sums);
 }
+
+template <int N, class Functor>
+__global__ void __launch_bounds__(kernel_threads) group_kernel(int n, const __grid_constant__ Functor functor) {
+  if (functor.idle()) return;  // all threads or none
+  const int index = static_cast<int>(blockIdx.x * kernel_threads + threadIdx.x);
+  Sums<N> sums;
+  if (index < n) functor(index, sums);
+  for (int half = group_size / 2; half > 0; half /= 2)
+    for (int k = 0; k < N; ++k) sums.value[k] += __shfl_down_sync(0xffffffffu, sums.value[k], half);
+  if (threadIdx.x % group_size == 0 && index < n) functor.book(index / group_size, sums);
+}
+
 /// Memory of the host that the device reads and writes without a detour.
 template <class T>
 class HostRows {
@@ -124,6 +141,14 @@ class Queue {
   void launch_sums(int results, int n, const Functor& functor) {
     if (results <= 0) return;
     sum_kernel<N><<<static_cast<unsigned>(results), sum_threads, 0, stream_>>>(n, functor);
+    require_device(cudaGetLastError(), "a kernel");
+  }
+  /// functor(index, sums) for 0 … n-1, then functor.book(group, sums of the group), in an order that depends on n
+  /// alone; nothing where functor.idle().
+  template <int N, class Functor>
+  void launch_groups(int n, const Functor& functor) {
+    if (n <= 0) return;
+    group_kernel<N><<<blocks_of(n), kernel_threads, 0, on_side_ ? side_ : stream_>>>(n, functor);
     require_device(cudaGetLastError(), "a kernel");
   }
   /// What the two launch may run at the same time.
@@ -193,6 +218,22 @@ class Queue {
 
 #else
 
+template <int N, class Functor>
+struct NoteGroup {
+  Functor functor;
+  int n;
+  void operator()(int group) const {
+    if (functor.idle()) return;
+    Sums<N> sums[group_size];
+    const int first = group * group_size, count = std::min(group_size, n - first);
+    for (int k = 0; k < count; ++k) functor(first + k, sums[k]);
+    for (int half = group_size / 2; half > 0; half /= 2)
+      for (int thread = 0; thread < half; ++thread)
+        for (int k = 0; k < N; ++k) sums[thread].value[k] += sums[thread + half].value[k];
+    functor.book(group, sums[0]);
+  }
+};
+
 template <class T>
 class HostRows {
  public:
@@ -238,6 +279,10 @@ class Queue {
         functor.finish(result, partial[0]);
       }
     });
+  }
+  template <int N, class Functor>
+  void launch_groups(int n, const Functor& functor) {
+    launch(groups_of(n), NoteGroup<N, Functor>{functor, n});
   }
   template <class First, class Second>
   void side_by_side(const First& first, const Second& second) {

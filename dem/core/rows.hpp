@@ -36,8 +36,8 @@ struct GrainLedger {
   double loss_damping = 0;  // [J]
 };
 
-/// Why a pass gives up.
-enum Trouble : int { overlap_too_large = 1, too_many_wall_contacts = 2 };
+/// Why a pass gives up; 0: it does not.
+enum Trouble : int { overlap_too_large = 1 };
 
 // ---- pairs of grains
 /// Force on i; j gets the opposite. Each grain's arm is -(radius - half_overlap) normal: both forces act at one point,
@@ -49,6 +49,7 @@ struct alignas(8 * sizeof(Real)) PairForce {
   Vector3<Real> moment{};  // [N] normal × force
   Real half_overlap = 0;   // [m] 0: no contact
 };
+/// What `pairs_per_ledger` pairs that follow each other have noted down together.
 struct ContactLedger {
   double loss_friction = 0, loss_damping = 0;    // [J] since the last flush
   double elastic_normal = 0, elastic_shear = 0;  // [J] stored now

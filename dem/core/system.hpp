@@ -111,17 +111,20 @@ class System final : public Simulation {
   // system_advance.hpp
   void advance_by_steps(int n, double dt);
   void prepare(double dt);
-  int met_trouble() const { return first_of(control_).met(); }
+  int met_trouble();
   bool keeps_grain_ledger() const { return setup_.track_energy && (alpha_ > 0 || brakes_); }
   void rebuild(double share);
+  void keep_touching_pairs();
   void adapt_skin();
   void relist(double moved, double wall_shift, double share);
   void note_reach(const Box& own);
   void evaluate(const kernels::Interval&, double ended);
   template <class Visit>
   void with_scene_law(const Visit&) const;
-  template <class Law>
-  WallPass<Law> wall_pass(const kernels::Interval&, double ended);
+  template <class Law, class Real, bool Ledger, bool Couples>
+  ContactPass<Law, Real, Ledger, Couples> contact_pass(const kernels::Interval&);
+  template <class Law, bool Ledger, bool Couples>
+  WallPass<Law, Ledger, Couples> wall_pass(const kernels::Interval&, double ended);
   template <class Real>
   GatheredForces<Real> gathered_forces();
   template <class Forces, class Visit>
@@ -185,6 +188,7 @@ class System final : public Simulation {
   void flush_impulses();
   void settle_gravity();
   double gravity_potential() const;
+  Sums<5> pair_energies() const;
   base::Energy pending() const;
   template <class Visit>
   void each_contact(Visit&&) const;
@@ -224,13 +228,13 @@ class System final : public Simulation {
   Vector<DrivenWall> driven_;  // in a window of queued steps, where walls move
   Vector<int> wall_bodies_;    // the ones of these that are bodies
   std::vector<int> wall_bodies_host_;
-  HostRows<Control> control_host_;
+  HostRows<Control> control_host_;  // two: as it is now; as it was before the last leap
   HostRows<DrivenWall> driven_host_;
   HostRows<Vec3> sent_nodes_;
 #if !defined(TRACKBED_DEM_CUDA)
   SweepLists sweep_lists_;
 #endif
-  SweepSums sweep_sums_;  // of the last step; its losses are booked
+  SweepSums sweep_sums_;  // of the last step; its losses are booked. One by one: stored where the lists are new
 
   bool list_is_stale_ = true, forces_are_stale_ = true;
   bool rows_moved_ = false;                // grains came or went: the lists name others

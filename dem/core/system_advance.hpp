@@ -28,13 +28,15 @@ inline void System::advance(int n, double dt) {
 
 /// The host looks at every step: it sweeps, or other parts must be asked.
 inline void System::advance_by_steps(int n, double dt) {
-  int trouble = 0;  // in company all parts stop together: after the next leap
+  int trouble = 0;                // in company all parts stop together: after the next leap
+  const bool queued = !sweeps();  // it is told then, too
   for (int k = 1; k <= n; ++k) {
     if (walls_.any()) walls_.move(k, n, dt, setup_.gravity);
     const double share = static_cast<double>(k) / n;
     // A part sees only the walls near it move; new lists are made by all or by none.
-    double way[2] = {std::fmax(leap({.ends = k > 1, .ended = dt, .begins = true}, dt), trouble ? HUGE_VAL : 0),
-                     walls_.any() ? walls_.shift(share) : 0};
+    double way[2] = {leap({.ends = k > 1, .ended = dt, .begins = true}, dt), walls_.any() ? walls_.shift(share) : 0};
+    if (queued && k > 1) trouble = control_host_.data()[1].trouble;
+    if (trouble) way[0] = HUGE_VAL;
     if (in_company()) setup_.company->largest(way);
     const auto [squared, wall_shift] = way;
     ++steps_;
@@ -42,7 +44,7 @@ inline void System::advance_by_steps(int n, double dt) {
     move_ghosts();
     relist(std::sqrt(squared), wall_shift, share);
     evaluate(interval(dt), dt);
-    trouble = met_trouble();
+    if (!queued || k == n) trouble = met_trouble();
     if (trouble && !in_company()) stop_unstable(trouble, k * dt);
     if (walls_.bodies()) finish_walls(dt);
   }
@@ -54,6 +56,14 @@ inline void System::advance_by_steps(int n, double dt) {
 inline kernels::Interval System::interval(double dt) const {
   if (setup_.time_scheme == TimeScheme::symplectic_euler) return {.before = dt, .ahead = 0, .ended = dt};
   return {.before = 0.5 * dt, .ahead = 0.5 * dt};
+}
+
+/// What the last forces have met, when they are done.
+inline int System::met_trouble() {
+  if (sweeps()) return pointer(control_)->trouble;
+  queue_.fetch(pointer(control_), control_host_.data(), 1);
+  queue_.wait();
+  return control_host_.data()->trouble;
 }
 
 /// Brings lists, masses and forces up to date after changes between steps.
@@ -161,6 +171,7 @@ inline void System::rebuild(double share) {
   if (radii_.largest > 0) {
     if (rebuilds_ > 0 && !list_is_stale_) adapt_skin();
     skin_ = setup_.skin > 0 ? setup_.skin : skin_share_ * radii_.smallest;
+    if (!sweeps()) keep_touching_pairs();
     if (periods_.any()) return_grains();
     if (in_company()) migrate();
     const int n = grains_.size();
@@ -194,7 +205,7 @@ inline void System::rebuild(double share) {
     if (!sweeps()) {
       if (periods_.any()) make_images(0);
       search.place = pointer(grains_.place);
-      pairs_ = build_pairs(grains_, search, pairs_,
+      pairs_ = build_pairs(grains_, search, std::move(pairs_),
                            {.materials = materials,
                             .history = history,
                             .parameters = pointer(grain_parameters_),
@@ -226,6 +237,15 @@ inline void System::rebuild(double share) {
   list_is_stale_ = rows_moved_ = false;
   last_rebuild_ = steps_;
   ++rebuilds_;
+}
+
+/// Of the old lists, what the new ones take over. What the pairs store is known as one sum until the next forces.
+inline void System::keep_touching_pairs() {
+  list_is_stale_ = true;  // should no new ones come of it
+  const auto stored = pair_energies();
+  sweep_sums_.elastic_normal += stored.value[2];
+  sweep_sums_.elastic_shear += stored.value[3];
+  with_numbers(setup_.precision, [&]<class Real>() { pairs_.keep_touching<Real>(); });
 }
 
 /// Spheres in the order of the grid, or bodies with their spheres.
@@ -280,7 +300,7 @@ inline void System::make_images(int spare_rows) {
   const int n = ghosts_.total();
   const Place* place = pointer(grains_.place);
   if (periods_.any()) {
-    images_.start.resize(n);
+    images_.start.resize(n + 1);
     launch(n, CountImages{periods_, place, pointer(images_.start)});
     const int images = counts_to_starts(images_.start);
     images_.owner.resize(images);
@@ -328,38 +348,50 @@ inline SweepLayout System::sweep_layout() const {
 }
 #endif
 
-/// Calls `visit` for the leanest law that covers every pair of materials.
+/// Calls visit.operator()<Law, Ledger, Couples>() with the leanest law that covers every pair of materials; see
+/// ContactPass.
 template <class Visit>
 void System::with_scene_law(const Visit& visit) const {
-  if (mixed_laws_)
-    visit.template operator()<AnyLaw>();
-  else if (smooth_)
-    visit.template operator()<kernels::HertzSmooth>();
+  const auto with_law = [&]<bool Ledger, bool Couples>() {
+    if (mixed_laws_)
+      visit.template operator()<AnyLaw, Ledger, Couples>();
+    else if (smooth_)
+      visit.template operator()<kernels::HertzSmooth, Ledger, Couples>();
+    else
+      visit.template operator()<kernels::HertzMindlin, Ledger, Couples>();
+  };
+  if (setup_.track_energy)
+    couples_ ? with_law.template operator()<true, true>() : with_law.template operator()<true, false>();
   else
-    visit.template operator()<kernels::HertzMindlin>();
+    couples_ ? with_law.template operator()<false, true>() : with_law.template operator()<false, false>();
 }
 
-template <class Law, class Real>
-ContactPass<Law, Real> contact_pass(const Grains& grains, PairColumns& pairs, const kernels::PairParameters* parameters,
-                                    int* unstable, double maximum_overlap, const kernels::Interval& time) {
-  auto& numbers = pairs.numbers<Real>();
-  return {.geometry = {pointer(grains.place), grains.motions()},
-          .first = pointer(pairs.first),
-          .second = pairs.second_row.empty() ? pointer(pairs.second) : pointer(pairs.second_row),
-          .pair = pointer(pairs.pair),
-          .parameters = parameters,
+template <class Law, class Real, bool Ledger, bool Couples>
+ContactPass<Law, Real, Ledger, Couples> System::contact_pass(const kernels::Interval& time) {
+  using Pass = ContactPass<Law, Real, Ledger, Couples>;
+  base::require_internal(pairs_.size() == 0 || pairs_.history_stride == Pass::numbers, "pairs keep other numbers");
+  auto& numbers = pairs_.numbers<Real>();
+  return {.geometry = {pointer(grains_.place), std::as_const(grains_).motions()},
+          .first = pointer(pairs_.first),
+          .second = pairs_.second_row.empty() ? pointer(pairs_.second) : pointer(pairs_.second_row),
+          .pair = pointer(pairs_.pair),
+          .parameters = pointer(grain_parameters_),
           .history = pointer(numbers.history),
-          .history_stride = pairs.history_stride,
           .result = pointer(numbers.result),
           .couple = pointer(numbers.couple),
-          .ledger = pointer(pairs.ledger),
-          .unstable = unstable,
-          .maximum_overlap = maximum_overlap,
+          .ledger = pointer(pairs_.ledger),
+          .partner = pointer(pairs_.second),
+          .first_ghost = ghosts_.first,
+          .unstable = &pointer(control_)->trouble,
+          .maximum_overlap = setup_.maximum_overlap,
           .time = time};
 }
 
-template <class Law>
-WallPass<Law> System::wall_pass(const kernels::Interval& time, double ended) {
+template <class Law, bool Ledger, bool Couples>
+WallPass<Law, Ledger, Couples> System::wall_pass(const kernels::Interval& time, double ended) {
+  base::require_internal(
+      near_walls_.size() == 0 || near_walls_.history_stride == WallPass<Law, Ledger, Couples>::numbers,
+      "contacts with walls keep other numbers");
   return {.geometry = walls_.geometry(),
           .node_velocity = pointer(walls_.velocity),
           .node_displacement = pointer(walls_.displacement),
@@ -372,16 +404,15 @@ WallPass<Law> System::wall_pass(const kernels::Interval& time, double ended) {
           .start = pointer(near_walls_.start),
           .candidate = pointer(near_walls_.candidate),
           .state = pointer(near_walls_.state),
+          .found = pointer(near_walls_.found),
           .history = pointer(near_walls_.history),
-          .history_stride = near_walls_.history_stride,
-          .couples = couples_,
           .sum = pointer(near_walls_.sum),
           .impulse = pointer(near_walls_.impulse),
           .nodal = pointer(near_walls_.nodal),
           .nodal_rows = walls_.nodal_rows(),
           .ledger = pointer(near_walls_.ledger),
           .passed = pointer(near_walls_.passed),
-          .unstable = pointer(control_)->trouble,
+          .unstable = &pointer(control_)->trouble,
           .maximum_overlap = setup_.maximum_overlap,
           .time = time,
           .dt = ended};
@@ -413,7 +444,7 @@ void System::sweep_pairs(const kernels::Interval& time, const Walls& walls) {
   totals_.loss_friction += sweep_sums_.loss_friction;
   totals_.loss_contact_damping += sweep_sums_.loss_damping;
   totals_.loss_rolling += sweep_sums_.loss_rolling;
-  if (sweep_sums_.overlap_too_large) pointer(control_)->trouble[0] = overlap_too_large;
+  if (sweep_sums_.overlap_too_large) pointer(control_)->trouble = overlap_too_large;
 }
 #endif
 
@@ -422,7 +453,9 @@ inline void System::evaluate(const kernels::Interval& time, double ended) {
 #if !defined(TRACKBED_DEM_CUDA)
   if (sweeps()) {
     move_images();
-    with_scene_law([&]<class Law>() { sweep_pairs(time, wall_pass<Law>(time, ended)); });
+    with_scene_law([&]<class Law, bool Ledger, bool Couples>() {
+      sweep_pairs(time, wall_pass<Law, Ledger, Couples>(time, ended));
+    });
     press_bonds([](int n, const auto& pass) { launch(n, pass); }, ended);
   }
 #endif
@@ -527,6 +560,7 @@ inline double System::leap(const Phase& phase, double dt) {
     queue_end(dt, phase.ended);
     return 0;
   }
+  queue_.fetch(pointer(control_), control_host_.data() + 1, 1);  // what the forces before this have met
   send_free_control(dt, phase.ends ? 2 : 1);
   queue_motion(dt, 0);
   queue_.fetch(pointer(control_), control_host_.data(), 1);
@@ -561,10 +595,6 @@ inline void System::stop_unstable(int trouble, double dt) const {
       for (int c = start[w]; c < start[w + 1]; ++c)
         if (state[c].overlap > 0)
           accuse(grain[w], state[c].overlap / place[grain[w]].radius, "overlap with a wall is %.3g of its radius");
-  } else if (trouble == too_many_wall_contacts) {
-    const auto grain = download(near_walls_.grain), start = download(near_walls_.start);
-    for (std::size_t w = 0; w < grain.size(); ++w)
-      accuse(grain[w], start[w + 1] - start[w], "touches more wall facets at once than can be held (%.0f near it)");
   } else {
     for (int g = 0; g < grains_.size(); ++g) {
       const bool finite = norm2(place[g].position) < 1e100 && norm2(rows.translation(g).vector) < 1e200;

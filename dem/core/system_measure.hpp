@@ -56,12 +56,16 @@ inline void System::settle_gravity() {
   gravity_referenced_ = false;
 }
 
+/// As SumPairs says; of pairs that are swept, nothing.
+inline Sums<5> System::pair_energies() const {
+  return ordered_sum<5>(static_cast<int>(pairs_.ledger.size()), SumPairs{pointer(pairs_.ledger)});
+}
+
 /// What lies in the rows: stored energies now, works and losses since the last flush.
 inline base::Energy System::pending() const {
   base::Energy e;
   if (!setup_.track_energy) return e;
-  const auto pairs = ordered_sum<5>(static_cast<int>(pairs_.ledger.size()),
-                                    SumPairs{pointer(pairs_.ledger), pointer(pairs_.second), ghosts_.first});
+  const auto pairs = pair_energies();
   const auto walls = ordered_sum<7>(static_cast<int>(near_walls_.ledger.size()),
                                     SumWalls{pointer(near_walls_.ledger), pointer(near_walls_.candidate),
                                              pointer(walls_.facets), pointer(walls_.rows)});

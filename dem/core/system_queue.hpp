@@ -37,7 +37,7 @@ inline void System::advance_queued(int n, double dt) {
       start_steps(now);
       queue_rest_of_step(dt);
     } else {
-      if (now.met()) stop_unstable(now.met(), now.step * dt);
+      if (now.trouble) stop_unstable(now.trouble, now.step * dt);
       if (end == n) return;
     }
     begun = now.step;
@@ -53,7 +53,7 @@ inline void System::start_steps(Control& control) {
   control.walls = walls_.any() && grains_.size() > 0;
   control.wall_shift = 0;  // the first step, or the forces on new lists, come whatever the walls do
   control.still_shift = walls_.shift(0);
-  *control_host_.make(1) = control;
+  *control_host_.data() = control;
   queue_.send(control_host_.data(), pointer(control_), 1);
   const bool moving = walls_.moving();
   driven_.resize(moving ? walls_.walls.size() : 0);
@@ -84,7 +84,7 @@ inline void System::send_free_control(double dt, int step) {
   control.step = step;
   control.dt = dt;
   control.tight = HUGE_VAL;
-  *control_host_.make(1) = control;
+  *control_host_.data() = control;
   queue_.send(control_host_.data(), pointer(control_), 1);
 }
 
@@ -126,16 +126,20 @@ inline void System::queue_forces(const kernels::Interval& time, double ended) {
   const auto pass = [&](int n, const auto& functor) { queue_.launch(n, unless_stale(control, functor)); };
   pass(images_.size(), MoveImages{periods_, pointer(images_.owner), pointer(images_.shift), images_.first,
                                   grains_.parts, pointer(grains_.place), pointer(grains_.motion)});
-  with_scene_law([&]<class Law>() {
+  with_scene_law([&]<class Law, bool Ledger, bool Couples>() {
     const auto pairs = [&] {
       with_numbers(setup_.precision, [&]<class Real>() {
-        pass(pairs_.size(), contact_pass<Law, Real>(grains_, pairs_, pointer(grain_parameters_), control->trouble,
-                                                    setup_.maximum_overlap, time));
+        const auto contacts = unless_stale(control, contact_pass<Law, Real, Ledger, Couples>(time));
+        if constexpr (Ledger)
+          queue_.launch_groups<5>(pairs_.size(), contacts);
+        else
+          queue_.launch(pairs_.size(), contacts);
       });
     };
     if (near_walls_.near_grains() == 0) return pairs();
-    queue_.side_by_side(pairs, [&] { pass(near_walls_.near_grains(), wall_pass<Law>(time, ended)); });
+    queue_.side_by_side(pairs, [&] { pass(near_walls_.near_grains(), wall_pass<Law, Ledger, Couples>(time, ended)); });
   });
+  sweep_sums_ = {};  // the pairs say themselves from now on
   press_bonds(pass, ended);
 }
 

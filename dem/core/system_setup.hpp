@@ -19,6 +19,7 @@ inline System::System(const Setup& setup, Backend backend) : setup_(setup), back
   join_company();
   grains_.parts = setup.rotations ? 2 : 1;
   upload(std::vector<Control>(1), control_);
+  control_host_.make(2);
   upload_parameters();
 }
 

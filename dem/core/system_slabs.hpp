@@ -184,11 +184,7 @@ inline void System::write_memories(const std::vector<int>& side_of_old, std::arr
   };
   const auto& material = ghosts_.material;
   const int materials = static_cast<int>(setup_.materials.size());
-  const auto ledger = download(pairs_.ledger);
-  std::size_t pair = 0;
   const auto note = [&](int i, int row, const double* history, int numbers) {
-    const ContactLedger held = pair < ledger.size() ? ledger[pair] : ContactLedger{};
-    ++pair;
     const int j = images_.grain(row);
     std::set<int> sides{leaving(i), leaving(j)};
     sides.erase(-1);
@@ -196,8 +192,6 @@ inline void System::write_memories(const std::vector<int>& side_of_old, std::arr
     ContactMemory memory{.a = ghosts_.keys[i], .b = ghosts_.keys[j], .kind = 0, .numbers = numbers, .state = {}};
     memory.kind = std::min(material[i], material[j]) * materials + std::max(material[i], material[j]);
     std::copy_n(history, numbers, memory.history);
-    memory.elastic_normal = held.elastic_normal;
-    memory.elastic_shear = held.elastic_shear;
     for (const int to : sides) memories[static_cast<std::size_t>(to)].push_back(memory);
   };
   each_pair(note);
@@ -557,23 +551,30 @@ inline void System::move_ghosts() {
   const std::size_t width = 3 + 3 * static_cast<std::size_t>(grains_.parts);
   for (int side : {0, 1}) {
     const auto rows = ghosts_.sent[side].size();
-    auto& packed = ghosts_.packed[side];
-    packed.resize(width * rows);
-    launch(static_cast<int>(rows), PackRows{pointer(ghosts_.sent[side]), pointer(grains_.place),
-                                            std::as_const(grains_).motions(), -ghosts_.shift[side], pointer(packed)});
-    const auto host = download(packed);
-    ghosts_.out[side].resize(host.size() * sizeof(double));
-    if (!host.empty()) std::memcpy(ghosts_.out[side].data(), host.data(), ghosts_.out[side].size());
+    auto& leaving = ghosts_.leaving[side];
+    leaving.resize(width * rows);
+    queue_.launch(static_cast<int>(rows),
+                  PackRows{pointer(ghosts_.sent[side]), pointer(grains_.place), std::as_const(grains_).motions(),
+                           -ghosts_.shift[side], pointer(leaving)});
+    queue_.fetch(pointer(leaving), ghosts_.leaving_host[side].make(leaving.size()), leaving.size());
+  }
+  queue_.wait();
+  for (int side : {0, 1}) {
+    ghosts_.out[side].resize(ghosts_.leaving[side].size() * sizeof(double));
+    if (!ghosts_.out[side].empty())
+      std::memcpy(ghosts_.out[side].data(), ghosts_.leaving_host[side].data(), ghosts_.out[side].size());
     ghosts_.in[side].resize(width * static_cast<std::size_t>(ghosts_.count[side]) * sizeof(double));
   }
   setup_.company->swap_known(ghosts_.out, ghosts_.in);
   int row = ghosts_.first;
   for (int side : {0, 1}) {
     const int number = ghosts_.count[side];
-    std::vector<double> host(width * static_cast<std::size_t>(number));
-    if (!host.empty()) std::memcpy(host.data(), ghosts_.in[side].data(), ghosts_.in[side].size());
-    upload(host, ghosts_.packed[side]);
-    launch(number, UnpackRows{row, pointer(grains_.place), grains_.motions(), pointer(ghosts_.packed[side])});
+    auto& arriving = ghosts_.arriving[side];
+    arriving.resize(width * static_cast<std::size_t>(number));
+    double* const host = ghosts_.arriving_host[side].make(arriving.size());  // the last copy from there is long done
+    if (!arriving.empty()) std::memcpy(host, ghosts_.in[side].data(), ghosts_.in[side].size());
+    queue_.send(host, pointer(arriving), arriving.size());
+    queue_.launch(number, UnpackRows{row, pointer(grains_.place), grains_.motions(), pointer(arriving)});
     row += number;
   }
 }
@@ -609,8 +610,7 @@ inline void System::recall_pairs(const RowOfKey& row) {
     start = download(pairs_.own_start);
     second = download(pairs_.second);
   }
-  auto ledger = download(pairs_.ledger);
-  bool changed = false;
+  std::vector<int> recalled;
   for (const ContactMemory& memory : ghosts_.brought_pairs) {
     const auto a = row.find(memory.a), b = row.find(memory.b);
     if (a == row.end() || b == row.end()) continue;
@@ -628,15 +628,16 @@ inline void System::recall_pairs(const RowOfKey& row) {
     for (int k = 0; k < memory.numbers && k < pairs_.history_stride; ++k)
       columns[static_cast<std::size_t>(c) * pairs_.history_stride + k] =
           i > j && (flips >> k & 1) ? -memory.history[k] : memory.history[k];
-    if (!ledger.empty()) {
-      ledger[c].elastic_normal = memory.elastic_normal;
-      ledger[c].elastic_shear = memory.elastic_shear;
-    }
-    changed = true;
+    recalled.push_back(c);
   }
-  if (!changed) return;
+  if (recalled.empty()) return;
   pairs_.keep_numbers(columns);
-  upload(ledger, pairs_.ledger);
+  Vector<int> touching;
+  upload(recalled, touching);
+  with_numbers(setup_.precision, [&]<class Real>() {
+    launch(static_cast<int>(recalled.size()),
+           MarkTouching<Real>{pointer(touching), pointer(pairs_.numbers<Real>().result)});
+  });
 }
 
 inline void System::recall_walls(const RowOfKey& row) {

@@ -124,6 +124,7 @@ void walk_near_walls(Self& near, Walk& walk) {
   walk.rows("near_walls/passed", near.passed);
   walk.rows("near_walls/node_start", near.node_start);
   walk.rows("near_walls/node_entry", near.node_entry);
+  if constexpr (Walk::loads) near.found.resize(near.candidate.size());
 }
 
 /// What can be changed between steps: moduli (a ramp of stiffness), constants of contacts, gravity, damping.
@@ -249,8 +250,9 @@ inline void System::restore_parts(std::span<const base::Columns> saved) {
     part.settle_gravity();
     part.flush_losses();
     totals += part.totals_;
-    sums.elastic_normal += part.sweep_sums_.elastic_normal;
-    sums.elastic_shear += part.sweep_sums_.elastic_shear;
+    const auto stored = part.pair_energies();
+    sums.elastic_normal += part.sweep_sums_.elastic_normal + stored.value[2];
+    sums.elastic_shear += part.sweep_sums_.elastic_shear + stored.value[3];
     if (k * parts / saved.size() == here) letters.push_back(part.everything());
     if (k > 0) {
       walls_.learn(part.walls_);

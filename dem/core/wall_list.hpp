@@ -12,6 +12,7 @@ struct WallColumns {
   Vector<int> candidate;  // facet
   Vector<int> grain_of;   // grain of each candidate; empty while no wall is a body
   Vector<WallState> state;
+  Vector<WallFound> found;
   Vector<double> history;  // history_stride numbers per candidate
   int history_stride = 0;
   Vector<Vec3> impulse;
@@ -24,8 +25,8 @@ struct WallColumns {
   int near_grains() const { return static_cast<int>(grain.size()); }
   std::size_t bytes() const {
     return bytes_of(slot) + bytes_of(grain) + bytes_of(start) + bytes_of(sum) + bytes_of(candidate) +
-           bytes_of(grain_of) + bytes_of(state) + bytes_of(history) + bytes_of(impulse) + bytes_of(nodal) +
-           bytes_of(ledger) + bytes_of(passed) + bytes_of(node_start) + bytes_of(node_entry);
+           bytes_of(grain_of) + bytes_of(state) + bytes_of(found) + bytes_of(history) + bytes_of(impulse) +
+           bytes_of(nodal) + bytes_of(ledger) + bytes_of(passed) + bytes_of(node_start) + bytes_of(node_entry);
   }
 };
 
@@ -44,7 +45,7 @@ inline FacetTable tabulate_facets(const Walls& walls, const CellGrid& grid, doub
   FacetTable table;
   const int n = static_cast<int>(walls.facets.size());
   const FacetBuckets buckets{grid, walls.geometry(), reach};
-  Vector<int> start(n);
+  Vector<int> start(n + 1);
   launch(n, CountBuckets{buckets, pointer(start)});
   const int entries = counts_to_starts(start);
   if (entries == 0) return table;
@@ -88,12 +89,12 @@ inline WallColumns build_walls(const Grains& grains, const Walls& walls, const C
                           walls.geometry(),
                           pointer(grains.place),
                           options.skin};
-  Vector<int> all_start(n);
+  Vector<int> all_start(n + 1), near(n);
   launch(n, CountWalls{search, pointer(all_start)});
-  list.grain.resize(n);
   const thrust::counting_iterator<int> first(0);
-  const auto last = thrust::copy_if(policy(), first, first + n, list.grain.begin(), IsPositive{pointer(all_start)});
-  list.grain.resize(last - list.grain.begin());
+  const auto last = thrust::copy_if(policy(), first, first + n, near.begin(), IsPositive{pointer(all_start)});
+  list.grain.assign(near.begin(), last);
+  release(near);
   const int candidates = counts_to_starts(all_start);
 
   list.slot.resize(n, -1);
@@ -103,6 +104,7 @@ inline WallColumns build_walls(const Grains& grains, const Walls& walls, const C
   list.sum.resize(list.grain.size());
   list.candidate.resize(candidates);
   list.state.resize(candidates);
+  list.found.resize(candidates);
   list.history_stride = options.history;
   list.history.resize(static_cast<std::size_t>(candidates) * options.history);
   list.impulse.resize(candidates);

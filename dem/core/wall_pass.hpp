@@ -13,9 +13,6 @@
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
-/// Contacts one grain can have with facets at one instant, before the hierarchy thins them out.
-constexpr int maximum_wall_contacts = 32;
-
 struct WallLedger {
   double loss_friction = 0, loss_damping = 0;    // [J] since the last flush
   double elastic_normal = 0, elastic_shear = 0;  // [J] stored now
@@ -28,8 +25,20 @@ struct Passed {
   Vec3 impulse, angular;  // [N s], [N m s] about the origin
 };
 
-template <class Law>
+/// Where a grain has met a facet in this step, before and after the hierarchy. Such rows lie beside the candidates: of
+/// a grain's own memory on a GPU there would have to be enough for every thread that could be at work.
+struct WallFound {
+  enum Is : int { nothing, hidden, touching };
+  Vec3 vector{};           // [m] from the point to the grain's centre
+  double weights[4] = {};  // as of WallState
+  int is = nothing;
+};
+
+/// Ledger: energies are tracked; Couples: some rolling model acts in the contact.
+template <class Law, bool Ledger, bool Couples>
 struct WallPass {
+  static constexpr int numbers = contact_numbers(Law::history, Ledger, Couples ? rolling_c : no_rolling).total;
+
   WallGeometry geometry;
   const Vec3 *node_velocity, *node_displacement;  // null: nothing moves
   const Place* place;
@@ -40,145 +49,122 @@ struct WallPass {
   const int *grain, *start;  // grains with candidates, and their ranges
   const int* candidate;      // facets
   WallState* state;
-  double* history;  // history_stride numbers per candidate
-  int history_stride;
-  bool couples;  // some rolling model acts in the contact
+  WallFound* found;  // of this step
+  double* history;   // `numbers` per candidate
   WallSum* sum;
   Vec3* impulse;        // [N s] received by the grain, since the last flush
   NodalImpulse* nodal;  // null: no mesh is coupled
   int nodal_rows;       // per candidate
-  WallLedger* ledger;   // null: not tracked
-  Passed* passed;       // null: not tracked, or no mesh is coupled
-  int* unstable;        // two: overlap, number of contacts
+  WallLedger* ledger;
+  Passed* passed;  // null: not tracked, or no mesh is coupled
+  int* unstable;
   double maximum_overlap;
   kernels::Interval time;
   double dt;  // [s] of the step that ends now; 0: forces at the start
 
-  struct Found {
-    int number = 0;
-    int candidate[maximum_wall_contacts];
-    Vec3 vector[maximum_wall_contacts];
-    double weights[maximum_wall_contacts][4];
-    bool keep[maximum_wall_contacts];
-  };
-
-  TRACKBED_HD void operator()(int w) const {
-    const int g = grain[w];
-    if (start[w + 1] - start[w] == 1) {
-      WallSum total;
-      only_one(start[w], g, total);
-      sum[w] = total;
-      return;
+  TRACKBED_FLATTEN TRACKBED_HD void operator()(int w) const {
+    const int g = grain[w], first = start[w], last = start[w + 1];
+    find(first, last, place[g]);
+    if (last - first > 1) {  // most grains near a wall have one candidate: nothing to hide, nothing to inherit
+      hide(first, last);
+      for (int c = first; c < last; ++c)
+        if (found[c].is == WallFound::touching && !has_history(c)) inherit(first, last, c);
     }
-    Found found;
-    find(w, g, found);
-    for (int m = 0; m < found.number; ++m)
-      if (found.keep[m] && !has_history(found.candidate[m])) inherit(w, m, found);
     WallSum total;
-    int m = 0;
-    for (int c = start[w]; c < start[w + 1]; ++c) {
-      while (m < found.number && found.candidate[m] < c) ++m;
-      if (m < found.number && found.candidate[m] == c && found.keep[m])
-        press(c, g, found.vector[m], found.weights[m], total);
+    for (int c = first; c < last; ++c) {
+      if (found[c].is == WallFound::touching)
+        press(c, g, found[c].vector, found[c].weights, total);
       else if (state[c].overlap > 0)
         leave(c, g);
     }
     sum[w] = total;
   }
 
-  /// Most grains near a wall have one candidate: no hierarchy, nothing to inherit.
-  TRACKBED_FLATTEN TRACKBED_HD void only_one(int c, int g, WallSum& total) const {
-    const Place p = place[g];
-    const auto contact = geometry.nearest(candidate[c], p.position, p.radius);
-    if (contact.feature != kernels::Feature::none)
-      press(c, g, p.position - contact.point, contact.weights, total);
-    else if (state[c].overlap > 0)
-      leave(c, g);
-  }
-
   TRACKBED_HD bool has_history(int c) const {
-    for (int k = 0; k < history_stride; ++k)
-      if (history[c * history_stride + k] != 0) return true;
+    const double* const own = history + static_cast<std::size_t>(c) * numbers;
+    for (int k = 0; k < numbers; ++k)
+      if (own[k] != 0) return true;
     return false;
   }
 
-  TRACKBED_HD void find(int w, int g, Found& found) const {
-    const Place p = place[g];
-    for (int c = start[w]; c < start[w + 1]; ++c) {
+  TRACKBED_HD void find(int first, int last, const Place& p) const {
+    for (int c = first; c < last; ++c) {
+      WallFound& here = found[c];
+      here.is = WallFound::nothing;
       const auto contact = geometry.nearest(candidate[c], p.position, p.radius);
       if (contact.feature == kernels::Feature::none) continue;
-      if (found.number == maximum_wall_contacts) {
-        unstable[1] = too_many_wall_contacts;
-        break;
-      }
-      if (geometry.part && known(candidate[c], p.position - contact.point, found)) continue;
-      found.candidate[found.number] = c;
-      found.vector[found.number] = p.position - contact.point;
-      for (int k = 0; k < 4; ++k) found.weights[found.number][k] = contact.weights[k];
-      ++found.number;
+      here.vector = p.position - contact.point;
+      if (geometry.part && known(first, c)) continue;
+      for (int k = 0; k < 4; ++k) here.weights[k] = contact.weights[k];
+      here.is = WallFound::touching;
     }
-    kernels::distance_hierarchy(found.vector, found.number, found.keep);
-    if (geometry.part) drop_common_sides(found);
   }
 
-  /// True when another part of the same face has led to this point.
-  TRACKBED_HD bool known(int f, const Vec3& vector, const Found& found) const {
-    const int on = geometry.part[f].face;
-    for (int m = 0; m < found.number && on >= 0; ++m)
-      if (geometry.part[candidate[found.candidate[m]]].face == on &&
-          norm2(found.vector[m] - vector) <= 1e-12 * norm2(vector))
+  /// True when another part of the same face has led to the point of candidate c.
+  TRACKBED_HD bool known(int first, int c) const {
+    const int on = geometry.part[candidate[c]].face;
+    const Vec3 vector = found[c].vector;
+    for (int other = first; other < c && on >= 0; ++other)
+      if (found[other].is && geometry.part[candidate[other]].face == on &&
+          norm2(found[other].vector - vector) <= 1e-12 * norm2(vector))
         return true;
     return false;
   }
 
-  /// A point on the side of a face is no contact where the face beyond the side has a nearer one.
-  TRACKBED_HD void drop_common_sides(Found& found) const {
-    for (int m = 0; m < found.number; ++m) {
-      const FacePart& part = geometry.part[candidate[found.candidate[m]]];
-      if (part.face < 0 || found.weights[m][2] < 0) continue;
-      const Face& face = geometry.face[part.face];
-      const int from = face.node[static_cast<int>(found.weights[m][2])];
-      const int to = face.node[static_cast<int>(found.weights[m][3])];
-      for (int n = 0; n < found.number && found.keep[m]; ++n) {
-        const int other = geometry.part[candidate[found.candidate[n]]].face;
-        if (other < 0 || other == part.face || norm2(found.vector[n]) >= norm2(found.vector[m])) continue;
-        bool has_from = false, has_to = false;
-        for (const int node : geometry.face[other].node) {
-          has_from = has_from || node == from;
-          has_to = has_to || node == to;
-        }
-        if (has_from && has_to) found.keep[m] = false;
-      }
+  /// The distance hierarchy, and what faces of the second order add to it.
+  TRACKBED_HD void hide(int first, int last) const {
+    for (int c = first; c < last; ++c) {
+      if (!found[c].is) continue;
+      bool hidden = false;
+      for (int other = first; other < last && !hidden; ++other)
+        hidden = found[other].is && kernels::is_hidden(found[c].vector, found[other].vector, other < c);
+      if (hidden || (geometry.part && is_on_common_side(first, last, c))) found[c].is = WallFound::hidden;
     }
   }
 
-  /// Contact m is new: the history of a contact with the same wall that has just ended becomes its own.
-  TRACKBED_HD void inherit(int w, int m, const Found& found) const {
-    const int heir = found.candidate[m];
-    const double length = norm(found.vector[m]);
+  /// A point on the side of a face is no contact where the face beyond the side has a nearer one.
+  TRACKBED_HD bool is_on_common_side(int first, int last, int c) const {
+    const FacePart& part = geometry.part[candidate[c]];
+    if (part.face < 0 || found[c].weights[2] < 0) return false;
+    const Face& face = geometry.face[part.face];
+    const int from = face.node[static_cast<int>(found[c].weights[2])];
+    const int to = face.node[static_cast<int>(found[c].weights[3])];
+    for (int n = first; n < last; ++n) {
+      if (!found[n].is) continue;
+      const int other = geometry.part[candidate[n]].face;
+      if (other < 0 || other == part.face || norm2(found[n].vector) >= norm2(found[c].vector)) continue;
+      bool has_from = false, has_to = false;
+      for (const int node : geometry.face[other].node) {
+        has_from = has_from || node == from;
+        has_to = has_to || node == to;
+      }
+      if (has_from && has_to) return true;
+    }
+    return false;
+  }
+
+  /// The contact of candidate `heir` is new: the history of a contact with the same wall that has just ended becomes
+  /// its own.
+  TRACKBED_HD void inherit(int first, int last, int heir) const {
+    const double length = norm(found[heir].vector);
     if (!(length > 0)) return;
-    const Vec3 normal = (1 / length) * found.vector[m];
+    const Vec3 normal = (1 / length) * found[heir].vector;
     int donor = -1;
     double best = 0.5;
-    for (int c = start[w]; c < start[w + 1]; ++c) {
+    for (int c = first; c < last; ++c) {
       const WallState& s = state[c];
       if (!(s.overlap > 0) || geometry.facet[candidate[c]].wall != geometry.facet[candidate[heir]].wall) continue;
-      bool kept = false;
-      for (int k = 0; k < found.number; ++k) kept = kept || (found.keep[k] && found.candidate[k] == c);
       const double alike = dot(s.normal, normal);
-      if (kept || alike <= best || !has_history(c)) continue;
+      if (found[c].is == WallFound::touching || alike <= best || !has_history(c)) continue;
       best = alike;
       donor = c;
     }
     if (donor < 0) return;
-    for (int k = 0; k < history_stride; ++k) {
-      history[heir * history_stride + k] = history[donor * history_stride + k];
-      history[donor * history_stride + k] = 0;
-    }
+    Kept<double, numbers>(history, donor).write(history, heir);
+    Kept<double, numbers>().write(history, donor);
   }
 
-  TRACKBED_ONE_FUNCTION TRACKBED_HD void press(int c, int g, const Vec3& vector, const double* weights,
-                                               WallSum& total) const {
+  TRACKBED_HD void press(int c, int g, const Vec3& vector, const double* weights, WallSum& total) const {
     const Place p = place[g];
     const Facet& facet = geometry.facet[candidate[c]];
     const WallRow& wall = geometry.wall[facet.wall];
@@ -219,18 +205,15 @@ struct WallPass {
     }
 
     const auto& material = parameters[grain_material[g] * materials + wall.material];
-    double local[maximum_numbers] = {};
-    for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];
-    const auto contact = ledger ? Law::template press<true>(material, touch, time, local)
-                                : Law::template press<false>(material, touch, time, local);
+    Kept<double, numbers> kept(history, c);
+    const auto contact = Law::template press<Ledger>(material, touch, time, kept.number);
     kernels::Moment<double> turned;
-    if (couples) {
-      double* numbers = local + history_stride - rolling_numbers(ledger != nullptr);
-      const double k_t = shear_stiffness_of(material, local), f_n = contact.normal_force;
-      turned = ledger ? resist_rolling<true>(material, meeting, f_n, k_t, time, numbers)
-                      : resist_rolling<false>(material, meeting, f_n, k_t, time, numbers);
+    if constexpr (Couples) {
+      const double k_t = shear_stiffness_after<Law>(material, kept);
+      turned = resist_rolling<Ledger>(material, meeting, contact.normal_force, k_t, time,
+                                      kept.number + numbers - rolling_numbers(Ledger));
     }
-    for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = local[k];
+    kept.write(history, c);
     s.force = contact.force;
     s.overlap = overlap;
     s.normal = normal;
@@ -247,7 +230,7 @@ struct WallPass {
       passed[c].impulse += dt * contact.force;
       passed[c].angular += dt * cross(p.position - vector, contact.force);
     }
-    if (ledger) {
+    if constexpr (Ledger) {
       WallLedger& l = ledger[c];
       l.loss_friction += contact.loss_friction;
       l.loss_damping += contact.loss_damping;
@@ -258,26 +241,25 @@ struct WallPass {
     }
   }
 
-  TRACKBED_ONE_FUNCTION TRACKBED_HD void leave(int c, int g) const {
+  TRACKBED_HD void leave(int c, int g) const {
     WallState& s = state[c];
-    if (ledger) {
+    if constexpr (Ledger) {
       WallLedger& l = ledger[c];
-      double local[maximum_numbers] = {};
-      for (int k = 0; k < history_stride; ++k) local[k] = history[c * history_stride + k];
-      const int wall_material = geometry.wall[geometry.facet[candidate[c]].wall].material;
-      const auto& material = parameters[grain_material[g] * materials + wall_material];
-      l.loss_friction += Law::template press<true>(material, {}, time, local).loss_friction;
-      if (couples) l.loss_rolling += local[history_stride - 1];
+      Kept<double, numbers> kept(history, c);
+      const WallRow& wall = geometry.wall[geometry.facet[candidate[c]].wall];
+      const auto& material = parameters[grain_material[g] * materials + wall.material];
+      l.loss_friction += Law::template press<true>(material, {}, time, kept.number).loss_friction;
+      if constexpr (Couples) l.loss_rolling += kept.number[numbers - 1];
       l.elastic_normal = 0;
       l.elastic_shear = 0;
-      if (geometry.wall[geometry.facet[candidate[c]].wall].moves && dt > 0) {
+      if (wall.moves && dt > 0) {
         const Carriers before(geometry, candidate[c], s.weights);
         for (int k = 0; k < before.number && before.node[k] >= 0; ++k)
           l.work += 0.5 * before.share[k] * dot(s.force, node_displacement[before.node[k]]);
       }
     }
     s = {};
-    for (int k = 0; k < history_stride; ++k) history[c * history_stride + k] = 0;
+    Kept<double, numbers>().write(history, c);
   }
 };
 

@@ -200,16 +200,18 @@ TRACKBED_HD inline FacetContact closest_on_facet(const Vec3* nodes, int count, c
   return best;
 }
 
-/// Marks in `keep` which of the n contact vectors V = C - P of one sphere and one wall stay.
+/// Whether contact vector V = C - P of one sphere and one wall is hidden by another; `other_is_first`: it stands before
+/// this one.
+TRACKBED_HD inline bool is_hidden(const Vec3& vector, const Vec3& by, bool other_is_first) {
+  const double own = norm2(vector), other = norm2(by);
+  const bool nearer = other < own || (other == own && other_is_first);
+  return nearer && dot(vector, by) >= (1 - hidden_tolerance) * other;
+}
+/// Marks in `keep` which of the n contact vectors stay.
 TRACKBED_HD inline void distance_hierarchy(const Vec3* contact_vectors, int n, bool* keep) {
   for (int i = 0; i < n; ++i) {
-    const double own = norm2(contact_vectors[i]);
     keep[i] = true;
-    for (int j = 0; j < n && keep[i]; ++j) {
-      const double other = norm2(contact_vectors[j]);
-      const bool nearer = other < own || (other == own && j < i);
-      if (nearer && dot(contact_vectors[i], contact_vectors[j]) >= (1 - hidden_tolerance) * other) keep[i] = false;
-    }
+    for (int j = 0; j < n && keep[i]; ++j) keep[i] = !is_hidden(contact_vectors[i], contact_vectors[j], j < i);
   }
 }
 

@@ -104,7 +104,8 @@ TEST(DemLists, MovingWallIsFound) {
 }
 
 // A pair keeps its shear spring (four numbers) only with friction, the energy of that spring only with the ledger. The
-// sweep keeps a block of four pairs for one; taken one by one a pair also has its ledger row (five numbers).
+// sweep keeps a block of four pairs for one; taken one by one up to 32 pairs also have a row of the ledger (five
+// numbers).
 TEST(DemLists, WithoutFrictionAndWallsNothingIsKeptForThem) {
   for (const int lanes : {1, 2}) {
     std::size_t bytes[3];
@@ -122,6 +123,25 @@ TEST(DemLists, WithoutFrictionAndWallsNothingIsKeptForThem) {
     const std::size_t number = sizeof(double);
     EXPECT_EQ(bytes[1] - bytes[0], lanes * 4 * number);
     EXPECT_EQ(bytes[2] - bytes[1], lanes == 1 ? 6 * number : 2 * number);
+  }
+}
+
+// Formula: docs/performance.md, section on GPUs: 272 bytes a sphere (no walls), 108 a pair, with the ledger 8 more and
+// 40 for every 32 pairs. Columns that grow by a few rows would be up to twice as long as they must be.
+TEST(DemLists, WhatASphereAndAPairTake) {
+  for (const bool ledger : {false, true}) {
+    auto setup = setup_of(0.5);
+    setup.track_energy = ledger;
+    setup.lanes = 1;
+    const auto sim = dem_test::create(setup);
+    std::vector<dem::Grain> chain;
+    for (int k = 0; k < 100; ++k) chain.push_back({.position = {0.0399 * k, 0, 0}, .radius = 0.02, .id = k});
+    sim->add_grains(chain);
+    sim->advance(1, 1e-6);
+    const auto counts = sim->counts();
+    ASSERT_EQ(counts.candidate_pairs, 99);
+    const std::size_t ends = 2 * sizeof(int);  // of the two lists of a grain
+    EXPECT_EQ(counts.bytes, 272 * 100 + ends + (ledger ? 116 * 99 + 40 * 4 : 108 * 99));
   }
 }
 

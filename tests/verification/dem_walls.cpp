@@ -184,6 +184,33 @@ TEST(Walls, PlaneAndMeshesAreTheSame) {
   }
 }
 
+// Forty triangles meet under a sphere, all within its reach: it bounces as on a plane. A code that counts each of them
+// throws it off, one with room for fewer contacts stops.
+TEST(Walls, FortyFacetsMeetUnderASphere) {
+  Skin fan;
+  fan.nodes = {{0, 0, 0}};
+  for (int k = 0; k < 40; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 40;
+    fan.nodes.push_back({4 * std::cos(angle), 4 * std::sin(angle), 0});
+    fan.facets.push_back({0, k + 1, (k + 1) % 40 + 1, -1});
+  }
+  std::vector<dem::Grain> ends;
+  for (const bool plane : {true, false}) {
+    auto simulation = dem_test::create(setup_of(sphere_material(1e7), rigid, {0.3, 0.6, 0.05}, 9.81));
+    if (plane)
+      simulation->add_plane({{0, 0, 0}, {0, 0, 1}}, 1);
+    else
+      simulation->add_mesh(fan, 1, false);
+    const dem::Grain start{{0.01, 0.02, 0.25}, radius, {-0.05, 0.03, 0}, {0.3, -0.4, 0.2}, 0, 1};
+    simulation->add_grains({&start, 1});
+    simulation->advance(5000, 1e-4);
+    ends.push_back(simulation->grains()[0]);
+  }
+  EXPECT_LT(norm(ends[1].position - ends[0].position), 1e-10);
+  EXPECT_LT(norm(ends[1].velocity - ends[0].velocity), 1e-10);
+  EXPECT_LT(norm(ends[1].angular_velocity - ends[0].angular_velocity), 1e-9);
+}
+
 // Benchmark 4.5.3 in its simplest form: at rest in a groove of 90 degrees two facets share the weight, each m g /
 // sqrt 2.
 TEST(Walls, RestsInGroove) {
