@@ -95,7 +95,7 @@ struct PairGeometry {
 /// registers: Ledger: energies are tracked; Couples: some rolling model acts in the contact.
 template <class Law, class Real, bool Ledger, bool Couples>
 struct ContactPass {
-  static constexpr int numbers = contact_numbers(Law::history, Ledger, Couples ? rolling_c : no_rolling).total;
+  static constexpr int numbers = history_layout(Law::history, Ledger, Couples ? rolling_c : no_rolling).total;
 
   PairGeometry geometry;
   const int *first, *second;  // rows

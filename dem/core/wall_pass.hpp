@@ -37,7 +37,7 @@ struct WallFound {
 /// Ledger: energies are tracked; Couples: some rolling model acts in the contact.
 template <class Law, bool Ledger, bool Couples>
 struct WallPass {
-  static constexpr int numbers = contact_numbers(Law::history, Ledger, Couples ? rolling_c : no_rolling).total;
+  static constexpr int numbers = history_layout(Law::history, Ledger, Couples ? rolling_c : no_rolling).total;
 
   WallGeometry geometry;
   const Vec3 *node_velocity, *node_displacement;  // null: nothing moves
