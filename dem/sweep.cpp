@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "dem/leap_rows.hpp"
+#include "dem/plane_rows.hpp"
 #include "dem/sweep_rows.hpp"
 
 namespace dem {
@@ -24,6 +25,12 @@ Sweep find_sweep(const SweepChoice& choice, int lanes) {
 Leap find_leap(const LeapChoice& choice, int lanes) {
   const Leap found = lanes == 4 ? avx2_leap(choice) : portable_leap(choice);
   base::require_internal(found != nullptr, "no pass of the integrator for this vector width");
+  return found;
+}
+
+PlaneSweep find_plane_sweep(bool ledger, bool turns, int lanes) {
+  const PlaneSweep found = lanes == 4 ? avx2_plane_sweep(ledger, turns) : portable_plane_sweep(ledger, turns);
+  base::require_internal(found != nullptr, "no sweep over planes for this vector width");
   return found;
 }
 

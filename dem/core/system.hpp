@@ -12,6 +12,7 @@
 #include "dem/core/ledger.hpp"
 #include "dem/core/pairs.hpp"
 #if !defined(TRACKBED_DEM_CUDA)
+#include "dem/core/plane_list.hpp"
 #include "dem/core/sweep_lists.hpp"
 #endif
 #include "dem/dem.hpp"
@@ -114,6 +115,7 @@ class System final : public Simulation {
   int met_trouble();
   bool keeps_grain_ledger() const { return setup_.track_energy && (alpha_ > 0 || brakes_); }
   void rebuild(double share);
+  void list_planes();
   void keep_touching_pairs();
   void adapt_skin();
   void relist(double moved, double wall_shift, double share);
@@ -146,6 +148,8 @@ class System final : public Simulation {
   int history_stride() const { return history_of({}).total; }
 #if !defined(TRACKBED_DEM_CUDA)
   SweepLayout sweep_layout() const;
+  template <class Walls>
+  bool press_walls(const Walls&, int share, int shares);
   template <class Walls>
   void sweep_pairs(const kernels::Interval&, const Walls&);
 #endif
@@ -220,6 +224,9 @@ class System final : public Simulation {
   PairColumns pairs_;
   Walls walls_;
   WallColumns near_walls_;
+#if !defined(TRACKBED_DEM_CUDA)
+  PlaneList planes_;
+#endif
   Vector<double> density_;
   Vector<kernels::PairParameters> grain_parameters_, wall_parameters_;
   std::vector<kernels::PairParameters> grain_parameters_host_, wall_parameters_host_;

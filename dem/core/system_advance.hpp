@@ -1,5 +1,6 @@
 #pragma once
 // The step: first half, list check, forces, second half.
+#include <atomic>
 #include <cstdio>
 
 #include "dem/core/system_bodies.hpp"
@@ -68,7 +69,8 @@ inline int System::met_trouble() {
 
 /// Brings lists, masses and forces up to date after changes between steps.
 inline void System::prepare(double dt) {
-  if (walls_.rows_changed) {
+  const bool rows_changed = walls_.rows_changed;
+  if (rows_changed) {
     flush_losses();
     walls_.upload_rows();
   }
@@ -80,7 +82,10 @@ inline void System::prepare(double dt) {
   }
   if (keeps_grain_ledger() && grains_.ledger.empty())
     grains_.ledger.resize(bodies_.any() ? bodies_.size() : grains_.size());
-  if (list_is_stale_) rebuild(0);
+  if (list_is_stale_)
+    rebuild(0);
+  else if (rows_changed)
+    list_planes();
   if (forces_are_stale_) {
     // The histories are half a step ahead: taken back to this instant, and ahead again for the step to come.
     clear(grains_.pull);
@@ -217,6 +222,7 @@ inline void System::rebuild(double share) {
     if (walls_.any())
       near_walls_ =
           build_walls(grains_, walls_, grid, near_walls_, {setup_.track_energy, history, skin_, radii_.largest});
+    list_planes();
     grains_.listed.resize(n);
     launch(n, CopyPositions{pointer(grains_.place), pointer(grains_.listed)});
     thrust::sequence(policy(), grains_.old_of_new.begin(), grains_.old_of_new.end());
@@ -229,6 +235,7 @@ inline void System::rebuild(double share) {
     ghosts_.first = 0;
     near_walls_ = {};
 #if !defined(TRACKBED_DEM_CUDA)
+    planes_.clear();
     sweep_lists_ = {};
 #endif
   }
@@ -418,7 +425,50 @@ WallPass<Law, Ledger, Couples> System::wall_pass(const kernels::Interval& time, 
           .dt = ended};
 }
 
+/// Which grains near walls are taken several at once.
+inline void System::list_planes() {
 #if !defined(TRACKBED_DEM_CUDA)
+  planes_.clear();
+  if (sweeps() && near_walls_.near_grains() > 0)
+    planes_.make(near_walls_, walls_, grains_.material, static_cast<int>(setup_.materials.size()));
+#endif
+}
+
+#if !defined(TRACKBED_DEM_CUDA)
+/// Share number `share` of the grains near walls. False when an overlap with a plane is too large.
+template <class Walls>
+bool System::press_walls(const Walls& walls, int share, int shares) {
+  const bool at_once = std::is_same_v<typename Walls::ContactLaw, kernels::HertzMindlin> && !couples_;
+  const long long number = at_once ? static_cast<long long>(planes_.others.size()) : near_walls_.near_grains();
+  const int end = static_cast<int>(number * (share + 1) / shares);
+  for (int k = static_cast<int>(number * share / shares); k < end; ++k) walls(at_once ? planes_.others[k] : k);
+  bool fine = true;
+  if (!at_once) return fine;
+  const PlaneSweep press =
+      find_plane_sweep(walls.ledger != nullptr, setup_.rotations, setup_.lanes ? setup_.lanes : sweep_lanes());
+  planes_.each_kind(share, shares, [&](int kind, int from, int to) {
+    const kernels::PairParameters& pair = walls.parameters[kind];
+    const PlaneInput contacts{.place = &walls.place->position.x,
+                              .motion = &walls.motion.row->vector.x,
+                              .row = pointer(planes_.row),
+                              .plane = &pointer(planes_.plane)->vector.x,
+                              .candidate = pointer(planes_.candidate),
+                              .slot = pointer(planes_.slot),
+                              .history = walls.history,
+                              .state = &walls.state->force.x,
+                              .impulse = &walls.impulse->x,
+                              .ledger = walls.ledger ? &walls.ledger->loss_friction : nullptr,
+                              .sum = &walls.sum->force.x,
+                              .rolling = pair.rolling == rolling_brof ? pair.rolling_friction : 0,
+                              .maximum_overlap = walls.maximum_overlap,
+                              .parameters = &pair,
+                              .time = walls.time,
+                              .ended = walls.dt};
+    fine = !press(contacts, from, to) && fine;
+  });
+  return fine;
+}
+
 /// Pairs, and beside them the walls: every thread takes its share of both, and all wait once.
 template <class Walls>
 void System::sweep_pairs(const kernels::Interval& time, const Walls& walls) {
@@ -436,11 +486,13 @@ void System::sweep_pairs(const kernels::Interval& time, const Walls& walls) {
                         .parameters = nullptr,
                         .time = time,
                         .maximum_overlap = setup_.maximum_overlap};
-  const long long near = near_walls_.near_grains();
+  static_assert(sizeof(WallState) == 88 && sizeof(WallLedger) == 48);
+  if (planes_.near_grains() != near_walls_.near_grains()) list_planes();  // lists from a checkpoint
+  std::atomic<bool> too_large = false;
   sweep_sums_ = sweep_lists_.run(rows, pointer(grain_parameters_), [&](int share, int shares) {
-    const int end = static_cast<int>(near * (share + 1) / shares);
-    for (int w = static_cast<int>(near * share / shares); w < end; ++w) walls(w);
+    if (!press_walls(walls, share, shares)) too_large = true;
   });
+  if (too_large) pointer(control_)->trouble = overlap_too_large;
   totals_.loss_friction += sweep_sums_.loss_friction;
   totals_.loss_contact_damping += sweep_sums_.loss_damping;
   totals_.loss_rolling += sweep_sums_.loss_rolling;

@@ -294,7 +294,7 @@ inline Counts System::counts() const {
   std::size_t list_bytes = pairs_.bytes();
 #if !defined(TRACKBED_DEM_CUDA)
   counts.candidate_pairs += sweep_lists_.near_pairs();
-  list_bytes += sweep_lists_.bytes();
+  list_bytes += sweep_lists_.bytes() + planes_.bytes();
 #endif
   counts.wall_contacts =
       reduce(near_walls_.size(), CountWallContacts{pointer(near_walls_.state)}, 0, thrust::plus<int>());

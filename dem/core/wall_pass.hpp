@@ -37,6 +37,7 @@ struct WallFound {
 /// Ledger: energies are tracked; Couples: some rolling model acts in the contact.
 template <class Law, bool Ledger, bool Couples>
 struct WallPass {
+  using ContactLaw = Law;
   static constexpr int numbers = history_layout(Law::history, Ledger, Couples ? rolling_c : no_rolling).total;
 
   WallGeometry geometry;
