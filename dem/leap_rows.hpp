@@ -71,8 +71,7 @@ struct Row {
   }
 };
 
-/// Brakes: bounded rolling friction (kernels/rolling.hpp) of grains whose contacts resist rolling. With J the inverse
-/// inertia, its acceleration is -f (omega / dt + J T), f = min(1, limit J dt / |omega + dt J T|).
+/// Brakes: bounded rolling friction (kernels/rolling.hpp) of grains whose contacts resist rolling.
 template <int W, bool Turns, bool Brakes, bool Ledger, bool Ends, bool Begins>
 double leap(const LeapInput& in, int begin, int end) {
   using R = Row<W>;
@@ -107,21 +106,19 @@ double leap(const LeapInput& in, int begin, int end) {
       double lost_damping = 0, lost_rolling = 0;
       if constexpr (Ledger) lost_damping = in.alpha * in.ended / translation.number() * velocity.dot(velocity);
       if constexpr (Turns) {
-        R turn = rotation.spread() * torque;
         R braking = nothing;
-        if constexpr (Brakes) {
-          const R stop = spin + dt * turn;
-          const double needed = stop.dot(stop), most_turn = limit * rotation.number() * in.dt;
-          double share = 1;
-          if (needed > most_turn * most_turn) share = most_turn / __builtin_sqrt(needed);
-          braking = R::all(-share / in.dt) * stop;
-          turn = turn + braking;
+        if constexpr (Brakes) {  // a grain at rest must stay so to the last bit
+          const R stop = torque + R::all(1 / (rotation.number() * in.dt)) * spin;
+          const double needed = stop.dot(stop);
+          braking = R::all(needed > limit * limit ? -limit / __builtin_sqrt(needed) : -1) * stop;
+          torque = torque + braking;
         }
+        const R turn = rotation.spread() * torque;
         spin = hold * (spin + at_end * turn);
         torque = turn - alpha * spin;
         if constexpr (Ledger) {
           lost_damping += in.alpha * in.ended / rotation.number() * spin.dot(spin);
-          if constexpr (Brakes) lost_rolling = -in.ended / rotation.number() * braking.dot(spin);
+          if constexpr (Brakes) lost_rolling = -in.ended * braking.dot(spin);
         }
       }
       if constexpr (Ledger) {
