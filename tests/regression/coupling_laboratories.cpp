@@ -40,19 +40,24 @@ nlohmann::json judge(const nlohmann::json& json) {
 TEST(Laboratories, AngleOfRepose) { judge(run_laboratory("angle_of_repose")); }
 
 // The same slope of spheres shows what the procedure reads: 40 degrees at a rolling friction of 0.2 (Irazabal2017
-// Fig. 6.4). Stones that are not round stand steeper than spheres that roll freely.
+// Fig. 6.4), and much less without. One bed is some 3 degrees off: the mean of four is asked.
 TEST(Laboratories, AngleOfReposeOfClumps) {
   const auto spheres = [](const std::string& rolling_friction) {
-    return result(run_laboratory("angle_of_repose_clumps",
-                                 " --set 'packing.shapes=[]' --set time.dem_fraction=0.3"
-                                 " --set wall.floor.rolling_friction=1 --set wall.crest.rolling_friction=0"
-                                 " --set wall.gate.rolling_friction=0 --set grains.rolling_friction=" +
-                                     rolling_friction),
-                  "angle_of_repose");
+    double sum = 0;
+    for (int seed = 1; seed <= 4; ++seed)
+      sum += result(run_laboratory("angle_of_repose_clumps",
+                                   " --set 'packing.shapes=[]' --set time.dem_fraction=0.3 --set packing.seed=" +
+                                       std::to_string(seed) +
+                                       " --set wall.floor.rolling_friction=1 --set wall.crest.rolling_friction=0"
+                                       " --set wall.gate.rolling_friction=0 --set grains.rolling_friction=" +
+                                       rolling_friction),
+                    "angle_of_repose");
+    return sum / 4;
   };
-  const double stones = result(judge(run_laboratory("angle_of_repose_clumps")), "angle_of_repose");
-  EXPECT_NEAR(spheres("0.2"), 40, 4);
-  EXPECT_GT(stones, spheres("0") + 2);
+  judge(run_laboratory("angle_of_repose_clumps"));
+  const double braked = spheres("0.2");
+  EXPECT_NEAR(braked, 40, 4);
+  EXPECT_GT(braked, spheres("0") + 8);
 }
 
 TEST(Laboratories, Oedometer) { judge(run_laboratory("oedometer")); }
