@@ -153,15 +153,6 @@ std::size_t bytes_of(const Vector<T>& v) {
   return v.capacity() * sizeof(T);
 }
 
-template <class T>
-T first_of(const Vector<T>& v) {
-#if defined(TRACKBED_DEM_CUDA)
-  return v[0];
-#else
-  return *pointer(v);
-#endif
-}
-
 /// Loops up to this length run on the calling thread: starting a parallel loop takes longer than they do.
 constexpr int serial_length = 256;
 

@@ -162,7 +162,8 @@ inline void System::flush_impulses() {
   for (std::size_t k = 0; k < walls_.walls.size(); ++k)
     walls_.walls[k].impulse = wall_impulse_on_grains(static_cast<int>(k));
   if (near_walls_.nodal.empty()) return;
-  launch(static_cast<int>(walls_.position.size()),
+  // Nodes of walls that have come since the lists were made have no candidates.
+  launch(static_cast<int>(near_walls_.node_start.size()) - 1,
          GatherNodes{pointer(near_walls_.node_start), pointer(near_walls_.node_entry), pointer(near_walls_.nodal),
                      pointer(walls_.node_impulse)});
 }

@@ -184,8 +184,9 @@ inline void System::write_memories(const std::vector<int>& side_of_old, std::arr
   };
   const auto& material = ghosts_.material;
   const int materials = static_cast<int>(setup_.materials.size());
+  const auto owner = download(images_.owner);
   const auto note = [&](int i, int row, const double* history, int numbers) {
-    const int j = images_.grain(row);
+    const int j = owner.empty() || row < images_.first ? row : owner[static_cast<std::size_t>(row - images_.first)];
     std::set<int> sides{leaving(i), leaving(j)};
     sides.erase(-1);
     if (sides.empty() || std::all_of(history, history + numbers, [](double h) { return h == 0; })) return;
