@@ -19,18 +19,20 @@ struct PairSearch {
   template <class Visit>
   TRACKBED_HD void neighbours(int g, Visit&& visit) const {
     const Place p = place[g];
-    neighbours_at(g, p, visit);
+    neighbours_at(g, p, {}, visit);
     if (!periods.any()) return;
     for (int shift = 0; shift < 27; ++shift) {
       if (shift == no_shift || !periods.exists(shift)) continue;
-      const Place moved{p.position - periods.vector(shift), p.radius};
-      if (periods.near_domain(moved.position)) neighbours_at(g, moved, visit);
+      const Vec3 back = periods.vector(shift);
+      const Place moved{p.position - back, p.radius};
+      if (periods.near_domain(moved.position)) neighbours_at(g, moved, back, visit);
     }
   }
 
-  /// The same if it were at p.
+  /// The same if it were at p, `back` from where it is. The distance of a pair is the same to the last bit from either
+  /// side, for the lists of both must agree: it is the grain of the lower number that is moved.
   template <class Visit>
-  TRACKBED_HD void neighbours_at(int g, const Place& p, Visit&& visit) const {
+  TRACKBED_HD void neighbours_at(int g, const Place& p, const Vec3& back, Visit&& visit) const {
     const long long cx = grid.cell(p.position.x), cy = grid.cell(p.position.y), cz = grid.cell(p.position.z);
     for (int dz = -1; dz <= 1; ++dz)
       for (int dy = -1; dy <= 1; ++dy)
@@ -40,7 +42,9 @@ struct PairSearch {
             const int j = entry ? entry[k] : k;
             const double reach = p.radius + place[j].radius + skin;
             if (body ? body[j] == body[g] : j == g) continue;
-            if (norm2(p.position - place[j].position) < reach * reach) visit(j);
+            const Vec3 between =
+                g < j ? p.position - place[j].position : place[g].position - (place[j].position + back);
+            if (norm2(between) < reach * reach) visit(j);
           }
         }
   }
