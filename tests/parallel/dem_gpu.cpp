@@ -238,7 +238,7 @@ void mixed_precision(const Way& one, const Way& other) {
 TEST(OneByOne, MixedPrecision) { mixed_precision(sweep, one_by_one); }
 TEST_F(Gpu, MixedPrecision) { mixed_precision(one_by_one, gpu); }
 
-/// Twice the same run, to the last bit; and a third time by way of a checkpoint in the middle.
+/// Twice the same run, to the last bit. (Going on from a checkpoint: DemState.GoesOnBitForBit.)
 void expect_the_same_again(const Way& way) {
   for (const Case& c : {Case{}, Case{.precision = Precision::mixed}, Case{.clumps = true}, Case{.periodic = true}}) {
     const Scene once = scene(c, way), again = scene(c, way);
@@ -246,7 +246,6 @@ void expect_the_same_again(const Way& way) {
     again.sim->advance(300, step);
     EXPECT_EQ(once.sim->save(), again.sim->save());
     EXPECT_GT(once.sim->counts().rebuilds, 1);
-    const auto columns = once.sim->save();
     once.sim->advance(200, step);
     again.sim->advance(200, step);
     EXPECT_EQ(once.sim->save(), again.sim->save());
