@@ -312,6 +312,7 @@ std::string check(const RunOptions& asked) {
   RunOptions options = asked;
   options.only_check = true;
   const Setup setup(MPI_COMM_SELF, options);
+  if (!setup.backend_text.empty()) spdlog::info("{}", setup.backend_text);
   const Scene& scene = setup.scene;
   std::optional<GrainEstimate> estimate;
   if (scene.has_grains()) estimate = estimate_grains(setup);

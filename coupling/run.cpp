@@ -98,6 +98,7 @@ void run_rank(const RunOptions& options) {
   Setup setup(MPI_COMM_WORLD, options);
   const Roles& roles = *setup.roles;
   const auto kept = open_log(roles.is_root());
+  if (!setup.backend_text.empty()) spdlog::info("{}", setup.backend_text);
   if (roles.is_worker) return serve_slabs(roles.dem, dem::Simulation::create, roles.joint);
   const CheckpointWatch watch;
   fs::path directory = options.out.value_or(fs::path("runs") / options.scene.stem());

@@ -120,11 +120,12 @@ void Setup::choose_backend() {
                      fmt::format("--backend cuda: not usable here ({}); use --backend auto or omp", why_not));
   backend = usable && options.backend != "omp" ? dem::Backend::cuda : dem::Backend::omp;
   if (dem::cuda_built() && !usable && options.backend == "auto")
-    spdlog::info("no usable GPU ({}): grains run on the processor's cores", why_not);
+    backend_text = fmt::format("no usable GPU ({}): grains run on the processor's cores", why_not);
   if (backend == dem::Backend::cuda) {
     device = dem::device_text();
-    spdlog::info("grains run on {}{}", device,
-                 roles->dem_ranks > 1 ? ", those of the other ranks on the GPUs of their machines in turn" : "");
+    backend_text =
+        fmt::format("grains run on {}{}", device,
+                    roles->dem_ranks > 1 ? ", those of the other ranks on the GPUs of their machines in turn" : "");
   }
   threads = sensible_threads(options.threads, expected_grains(*scene.grains), *roles, true);
   use_threads(threads);

@@ -55,6 +55,7 @@ class Setup {
   std::unique_ptr<SlabCrew> slabs;          // DEM rank, when there are others
   std::unique_ptr<dem::Simulation> grains;  // DEM rank
   dem::Backend backend = dem::Backend::omp;
+  std::string backend_text;                  // where grains run, if that needs saying; on ranks with grains
   std::string device;                        // the GPU of the first rank with grains; empty: none used
   int threads = 1;                           // of every DEM rank
   std::vector<base::Skin> skins;             // every rank

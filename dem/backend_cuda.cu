@@ -46,10 +46,26 @@ std::unique_ptr<Simulation> create_cuda(const Setup& setup) {
   return std::make_unique<cuda_system::System>(setup, Backend::cuda);
 }
 
+/// Without making a context, which would take memory of a device that this rank may not be meant for.
 bool cuda_device_present(std::string* why_not) {
   int devices = 0;
   const cudaError_t error = cudaGetDeviceCount(&devices);
-  if (error == cudaSuccess && devices > 0) return true;
+  if (error == cudaSuccess && devices > 0) {
+    constexpr int built_for[] = {__CUDA_ARCH_LIST__};  // 100 major + 10 minor, the lowest first
+    int major = 0, minor = 0, mode = cudaComputeModeProhibited;
+    cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device());
+    cudaDeviceGetAttribute(&minor, cudaDevAttrComputeCapabilityMinor, device());
+    cudaDeviceGetAttribute(&mode, cudaDevAttrComputeMode, device());
+    const bool new_enough = 100 * major + 10 * minor >= built_for[0];
+    if (new_enough && mode != cudaComputeModeProhibited) return true;
+    if (why_not)
+      *why_not = new_enough ? "the device's compute mode is `prohibited`"
+                            : "compute capability " + std::to_string(major) + "." + std::to_string(minor) +
+                                  " of the device, at least " + std::to_string(built_for[0] / 100) + "." +
+                                  std::to_string(built_for[0] / 10 % 10) + " is needed (TRACKBED_CUDA_ARCHITECTURES)";
+    cudaGetLastError();
+    return false;
+  }
   if (why_not) *why_not = error == cudaSuccess ? "no CUDA device" : cudaGetErrorString(error);
   cudaGetLastError();  // an error that has been dealt with must not be found by a later call
   return false;
