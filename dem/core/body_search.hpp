@@ -15,9 +15,8 @@ class BodySearch {
       : spheres_(spheres), place_(pointer(bodies.place)), start_(pointer(bodies.start)) {
     const int n = bodies.size();
     const Box box = reduce(n, BoxOf{place_}, Box{}, JoinBoxes{});
-    double reach = 0;
-    for (int b = 0; b < n; ++b) reach = std::fmax(reach, place_[b].radius);
-    grid_ = make_grid(box, 2 * reach + spheres.skin, n);
+    const Radii reach = reduce(n, RadiiOf{place_}, Radii{}, JoinRadii{});
+    grid_ = make_grid(box, 2 * reach.largest + spheres.skin, n);
     Vector<int> bucket(n);
     launch(n, BucketOf{grid_, place_, pointer(bucket)});
     entry_.resize(n);

@@ -159,9 +159,8 @@ struct Leapfrog {
 
   TRACKBED_FLATTEN TRACKBED_HD double operator()(int g) const { return pass(g, phase); }
   TRACKBED_HD double pass(int g, const Phase& phase) const {
-    const bool forces_in_pull = std::is_same_v<Forces, SummedForces> || pulled;
     Pull p;
-    if (forces_in_pull || !phase.ends) p = integrator.read(g);
+    if (pulled || !phase.ends) p = integrator.read(g);
     if (phase.ends) {
       forces.add(g, p);
       integrator.end_step(g, phase.ended, p);
@@ -171,7 +170,7 @@ struct Leapfrog {
       return 0;
     }
     const bool finite = integrator.begin_step(g, p);
-    if (forces_in_pull) integrator.write(g, {});
+    if (pulled) integrator.write(g, {});
     const double squared = norm2(integrator.place[g].position - listed[g]);
     return finite && squared < 1e100 ? squared : HUGE_VAL;
   }

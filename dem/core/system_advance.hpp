@@ -601,7 +601,7 @@ inline double System::leap(const Phase& phase, double dt) {
   if (sweeps()) {
     if (!bodies_.any()) return leap_rows(phase, dt);
     double squared = 0;
-    with_leap(dt, SummedForces{}, [&](int n, auto pass) {
+    with_body_leap(integrator(dt), SummedForces{}, [&](int n, auto pass) {
       pass.phase = phase;
       squared = reduce(n, pass, 0.0, thrust::maximum<double>());
     });
