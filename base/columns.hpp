@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -47,6 +48,10 @@ class Saver {
   }
   template <class T>
   void rows(const std::string& name, const std::vector<T>& values) {
+    rows(name, std::span<const T>(values));
+  }
+  template <class T>
+  void rows(const std::string& name, std::span<const T> values) {
     static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(Cell<T>) == 0);
     if (values.empty()) return;
     std::vector<Cell<T>> cells(values.size() * (sizeof(T) / sizeof(Cell<T>)));

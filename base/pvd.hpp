@@ -23,16 +23,23 @@ class Pvd {
 
   /// Adds one data file (its path relative to the folder of the collection) at a time [s].
   /// Throws base::MachineError when the disk fails.
-  void add(double time, const std::string& data_file) {
+  void add(double time, const std::string& data_file) { write(enter(time, data_file)); }
+
+  /// The same in two parts: what the file is to hold from now on, which write() puts there at some time.
+  std::string enter(double time, const std::string& data_file) {
     char stamp[32];
     std::snprintf(stamp, sizeof stamp, "%.9g", time);
     entries_ += std::string("    <DataSet timestep=\"") + stamp + "\" part=\"0\" file=\"" + data_file + "\"/>\n";
+    return "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+           "  <Collection>\n" +
+           entries_ + "  </Collection>\n</VTKFile>\n";
+  }
+
+  void write(const std::string& text) const {
     auto temporary = file_;
     temporary += ".part";
     std::ofstream out(temporary, std::ios::trunc);
-    out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-        << "  <Collection>\n"
-        << entries_ << "  </Collection>\n</VTKFile>\n";
+    out << text;
     out.close();
     std::error_code failure;
     if (out) std::filesystem::rename(temporary, file_, failure);

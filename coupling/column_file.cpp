@@ -12,12 +12,16 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <mutex>
 #include <new>
 
 namespace coupling {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Nothing here relies on an HDF5 that knows threads: whoever calls it holds this.
+std::mutex one_at_a_time;
 
 /// HDF5's numbers, each with what closes it.
 class Handle {
@@ -105,6 +109,7 @@ std::uint64_t checksum_of(std::uint64_t before, const char* bytes, std::size_t s
 class Image {
  public:
   explicit Image(const base::Columns& columns) {
+    const std::lock_guard alone(one_at_a_time);
     constexpr std::size_t increment = 4096;  // [bytes] HDF5's part ends in up to so many that mean nothing
     const Quiet quiet;
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -220,6 +225,11 @@ herr_t remember_dataset(hid_t, const char* name, const H5O_info_t* info, void* n
 
 }  // namespace
 
+void start_column_files() {
+  const std::lock_guard alone(one_at_a_time);
+  need(H5open() >= 0);
+}
+
 void write_columns(const fs::path& path, const base::Columns& columns) {
   const fs::path temporary = path.string() + ".part";
   std::error_code error;
@@ -244,6 +254,7 @@ base::Columns read_columns(const fs::path& path, const std::string& group) {
   base::require_user(fs::is_regular_file(path, ignored), path.string() + ": no such file; name a checkpoint-NNNN.h5");
   base::require_user(std::ifstream(path).good(),
                      path.string() + ": no permission to read it; change its permissions or copy it");
+  const std::lock_guard alone(one_at_a_time);
   const Quiet quiet;
   try {
     require_sealed(path);

@@ -14,6 +14,9 @@ struct DamagedFile : base::UserError {
   using base::UserError::UserError;
 };
 
+/// HDF5 asks MPI when it starts: to be called in the thread that may, before another one writes columns.
+void start_column_files();
+
 /// Writes the whole file or nothing: under a temporary name, forced to the disk, renamed.
 /// Throws base::MachineError.
 void write_columns(const std::filesystem::path&, const base::Columns&);

@@ -174,8 +174,8 @@ void RunLoop::zero() {
   observe(true, false);
 }
 
-std::unique_ptr<dem::Writer> RunLoop::make_writer(std::span<const dem::Grain> reference) const {
-  return std::make_unique<dem::Writer>(directory_, reference, clumps(setup_.scene.grains->shapes),
+std::shared_ptr<dem::Writer> RunLoop::make_writer(std::span<const dem::Grain> reference) const {
+  return std::make_shared<dem::Writer>(directory_, reference, clumps(setup_.scene.grains->shapes),
                                        setup_.scene.grains->periods);
 }
 
@@ -266,7 +266,10 @@ bool RunLoop::step_window() {
 
 void RunLoop::observe(bool picture, bool final) {
   const auto start = Clock::now();
-  agree(setup_.roles->world, [&] { raise(failure_); });
+  agree(setup_.roles->world, [&] {
+    raise(failure_);
+    files_.check();
+  });
   const auto sample = sampler_.sample(time_, picture);
   agree(setup_.roles->world, [&] {
     if (setup_.grains && setup_.scene.time.force_step) guard_flight();
@@ -328,17 +331,32 @@ void RunLoop::guard_energy(std::size_t samples) {
       ledger_.interface_mismatch(), place));
 }
 
+/// What this rank has to write of this instant goes to the background; the picture before is waited for.
 void RunLoop::write_picture() {
-  if (setup_.bodies) setup_.bodies->write(directory_.string(), time_);
-  if (!setup_.grains) return;
-  const auto grains = setup_.grains->grains();
-  const auto contacts = setup_.grains->grain_contacts();
-  const auto wall_contacts = setup_.grains->wall_contacts();
-  if (!writer_) writer_ = make_writer(grains);  // stopped before the measured stage
-  writer_->write(time_, grains, contacts, wall_contacts);
-  if (!setup_.scene.output.contacts) return;
-  writer_->write_contacts(time_, contacts, wall_contacts);
-  write_file(directory_ / "contact_forces.csv", contact_forces_text(contacts, wall_contacts));
+  files_.await(BackgroundWriter::picture);
+  std::function<void()> of_bodies;
+  if (setup_.bodies) of_bodies = setup_.bodies->picture(directory_.string(), time_);
+  if (!setup_.grains) {
+    if (of_bodies) files_.start(BackgroundWriter::picture, std::move(of_bodies));
+    return;
+  }
+  if (!writer_) writer_ = make_writer(setup_.grains->grains());  // stopped before the measured stage
+  files_.start(BackgroundWriter::picture, [of_bodies = std::move(of_bodies), take = setup_.grains->picture(),
+                                           writer = writer_, time = time_, directory = directory_,
+                                           with_contacts = setup_.scene.output.contacts]() mutable {
+    if (of_bodies) std::exchange(of_bodies, {})();
+    const dem::Picture picture = std::exchange(take, {})();
+    writer->write(time, picture.grains, picture.grain_contacts, picture.wall_contacts);
+    if (!with_contacts) return;
+    writer->write_contacts(time, picture.grain_contacts, picture.wall_contacts);
+    write_file(directory / "contact_forces.csv", contact_forces_text(picture.grain_contacts, picture.wall_contacts));
+  });
+}
+
+/// Everything that has been asked for is on the disk after this, or its failure is thrown.
+void RunLoop::await_files() {
+  files_.await_all();
+  files_.check();
 }
 
 /// One window; that of a side without partner ends where the next thing is to happen.
@@ -403,8 +421,17 @@ void RunLoop::run(std::optional<double> until) {
   progress_.clear();
   // Whoever left the loop does so for its own failure, for the other side's, or for one already agreed on.
   if (stop.kind != Failure::none && failure_.kind == Failure::none && !stop.text.empty()) failure_ = stop;
+  const auto start = Clock::now();
+  const FailureText unwritten = caught([&] { await_files(); });
+  if (unwritten.kind != Failure::none) failure_ = unwritten;  // of an earlier instant than anything else
   FailureText agreed = caught([&] { agree(setup_.roles->world, [&] { raise(failure_); }); });
-  if (agreed.kind == Failure::interrupted) agree(setup_.roles->world, [&] { write_picture(); });
+  if (agreed.kind == Failure::interrupted) {
+    agree(setup_.roles->world, [&] {
+      write_picture();
+      await_files();
+    });
+  }
+  output_seconds_ += seconds_since(start);
   close_summary();
   if (agreed.kind == Failure::unstable) agreed.text += remedy();
   if (agreed.kind != Failure::none) agreed.text += next_steps(agreed.kind);

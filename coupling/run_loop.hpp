@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "coupling/agree.hpp"
+#include "coupling/background_writer.hpp"
 #include "coupling/checkpoint.hpp"
 #include "coupling/coupled_step.hpp"
 #include "coupling/progress.hpp"
@@ -56,7 +57,8 @@ class RunLoop {
   double judge_window(double grain_limit);
   std::string remedy() const;
   void write_picture();
-  std::unique_ptr<dem::Writer> make_writer(std::span<const dem::Grain> reference) const;
+  void await_files();
+  std::shared_ptr<dem::Writer> make_writer(std::span<const dem::Grain> reference) const;
   void close_summary();
   // run_loop_checkpoint.cpp
   void look_after_checkpoints(double half, bool sampling);
@@ -73,7 +75,7 @@ class RunLoop {
   Sampler sampler_;
   Progress progress_;
   std::unique_ptr<HistoryFile> history_;
-  std::unique_ptr<dem::Writer> writer_;
+  std::shared_ptr<dem::Writer> writer_;  // in the hands of files_ from the first picture on
   CheckpointFolder checkpoints_;
   std::chrono::steady_clock::time_point last_checkpoint_ = std::chrono::steady_clock::now(), start_ = last_checkpoint_;
   FailureText failure_;  // of this rank
@@ -85,10 +87,11 @@ class RunLoop {
     double first = 0, next_probe = 0, next_picture = 0;
     std::int64_t windows = 0;
   } place_;
-  double next_checkpoint_ = 0;
-  bool goes_on_ = false;                      // the next window has been done already, before the restart
-  bool packing_friction_ = false;             // grains have the friction of their packing
-  bool measuring_ = false, removed_ = false;  // removed: walls, at the start of this stage
+  double next_checkpoint_ = 0;                            // [s] when the next is due;
+  double checkpoint_taken_ = 0, checkpoint_overdue_ = 0;  // when the last was taken, when it must be on the disk
+  bool goes_on_ = false;                                  // the next window has been done already, before the restart
+  bool packing_friction_ = false;                         // grains have the friction of their packing
+  bool measuring_ = false, removed_ = false;              // removed: walls, at the start of this stage
   double smallest_contact_step_ = 0;
   /// How hard skins were pressed when the longest window [s] was found last; see judge_window().
   struct Judged {
@@ -101,6 +104,7 @@ class RunLoop {
   int samples_since_bound_ = 0;
   double dem_seconds_ = 0, fem_seconds_ = 0, output_seconds_ = 0;
   std::int64_t windows_ = 0, dem_steps_ = 0, fem_steps_ = 0;
+  BackgroundWriter files_;  // of this rank; goes first, since what it writes reads the rest
 };
 
 }  // namespace coupling

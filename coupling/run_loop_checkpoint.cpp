@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "coupling/column_file.hpp"
@@ -73,8 +74,11 @@ void RunLoop::walk(Self& self, Walk&& walk) {
 
 void RunLoop::look_after_checkpoints(double half, bool sampling) {
   const auto& output = setup_.scene.output;
-  bool due = output.checkpoint_interval > 0 && time_ + half >= next_checkpoint_;
-  if (due) next_checkpoint_ = next_instant(next_checkpoint_, time_ + half, output.checkpoint_interval);
+  const double interval = output.checkpoint_interval;
+  bool due = interval > 0 && time_ + half >= next_checkpoint_;
+  // A run that is killed loses less than one interval and a half: of that age is the checkpoint before this one then.
+  if (interval > 0 && time_ >= checkpoint_overdue_) files_.await(BackgroundWriter::checkpoint);
+  if (due) next_checkpoint_ = next_instant(next_checkpoint_, time_ + half, interval);
   int signal = 0;
   if (sampling) {  // signals and clocks are each rank's own
     const bool late = output.checkpoint_wall_time > 0 && seconds_since(last_checkpoint_) >= output.checkpoint_wall_time;
@@ -93,35 +97,55 @@ void RunLoop::write_checkpoint() {
   const auto start = Clock::now();
   const Roles& roles = *setup_.roles;
   CheckpointWatch::answered();
-  base::Columns grains, bodies;
+  std::function<base::Columns()> grains;
+  base::Columns bodies;
+  // A checkpoint names the pictures before it: those that other ranks write are waited for, the root's own come first.
+  files_.await(BackgroundWriter::checkpoint);
+  if (!roles.is_root()) files_.await(BackgroundWriter::picture);
+  agree(roles.world, [&] { files_.check(); });
   agree(roles.world, [&] {
     raise(failure_);
-    if (setup_.grains) grains = setup_.grains->save();
-    if (setup_.bodies) bodies = setup_.bodies->save();
-    if (setup_.exchange) setup_.exchange->save(grains, bodies);
+    base::Columns of_grains;
+    if (setup_.exchange) setup_.exchange->save(of_grains, bodies);
+    if (setup_.bodies) bodies.merge(setup_.bodies->save());
+    if (setup_.grains)
+      grains = [state = setup_.grains->saved(), more = std::move(of_grains)]() mutable {
+        base::Columns all = state();
+        all.merge(more);
+        return all;
+      };
     if (roles.is_fem_root()) base::Saver(bodies).numbers("seconds", fem_seconds_);
   });
   if (roles.is_fem_root() && !roles.is_root()) send_columns(bodies, 0, roles.world);
   agree(roles.world, [&] {
     if (!roles.is_root()) return;
     if (roles.fem_ranks > 0 && !roles.is_fem_root()) bodies = receive_columns(roles.first_fem_rank, roles.world);
-    if (!is_finite(grains) || !is_finite(bodies)) return;
-    base::Columns run, all;
+    base::Columns run;
     walk(*this, base::Saver(run));
     base::Saver saver(run);
     saver.numbers("history", history_->size());
     saver.numbers("wall", summary_.wall_so_far());
-    sync_file(directory_ / "history.csv");
     setup_.save(run, summary_);
     add_group(run, "sampler/", sampler_.save());
-    if (writer_) add_group(run, "writer/", writer_->save());
-    add_group(all, "run/", std::move(run));
-    add_group(all, "grains/", std::move(grains));
-    add_group(all, "bodies/", std::move(bodies));
-    checkpoints_.write(std::move(all), setup_.scene);
-    spdlog::info("t = {:.6g} s: {}", time_, checkpoints_.last().filename().string());
+    start_column_files();
+    files_.start(BackgroundWriter::checkpoint,
+                 [this, time = time_, grains = std::move(grains), bodies = std::move(bodies), run = std::move(run),
+                  writer = writer_]() mutable {
+                   base::Columns of_grains = grains ? std::exchange(grains, {})() : base::Columns();
+                   if (!is_finite(of_grains) || !is_finite(bodies)) return;
+                   sync_file(directory_ / "history.csv");
+                   if (writer) add_group(run, "writer/", writer->save());
+                   base::Columns all;
+                   add_group(all, "run/", std::move(run));
+                   add_group(all, "grains/", std::move(of_grains));
+                   add_group(all, "bodies/", std::move(bodies));
+                   checkpoints_.write(std::move(all), setup_.scene);
+                   spdlog::info("t = {:.6g} s: {}", time, checkpoints_.last().filename().string());
+                 });
   });
   last_checkpoint_ = Clock::now();
+  checkpoint_overdue_ = checkpoint_taken_ + 1.5 * setup_.scene.output.checkpoint_interval;
+  checkpoint_taken_ = time_;
   output_seconds_ += seconds_since(start);
 }
 
@@ -131,6 +155,7 @@ void RunLoop::go_on_from(const Restart& restart) {
   base::Loader loader(run);
   walk(*this, base::Loader(run));
   goes_on_ = true;
+  checkpoint_taken_ = time_;
   if (setup_.exchange) setup_.exchange->restore(group_of(restart.columns, "grains/"), bodies);
   if (roles.is_fem_root()) base::Loader(bodies).numbers("seconds", fem_seconds_);
   if (!roles.is_root()) return;

@@ -97,6 +97,8 @@ Setup::Setup(MPI_Comm all, const RunOptions& options_) : options(options_) {
   });
   agree(world, [&] {
     if (roles->is_dem) choose_backend();
+    if (!scene.has_grains() && options.backend == "cuda")
+      backend_text = "--backend cuda: the scene has no grains, so no GPU is used";
   });
   if (scene.has_bodies()) {
     MPI_Bcast(&fem_limit.limit, 1, MPI_DOUBLE, roles->first_fem_rank, world);

@@ -66,7 +66,12 @@ bool cuda_device_present(std::string* why_not) {
     cudaGetLastError();
     return false;
   }
-  if (why_not) *why_not = error == cudaSuccess ? "no CUDA device" : cudaGetErrorString(error);
+  int driver = 0;  // stays 0 where there is none, which the runtime calls an insufficient one
+  const bool installed = cudaDriverGetVersion(&driver) == cudaSuccess && driver > 0;
+  if (why_not)
+    *why_not = !installed             ? "no NVIDIA driver on this machine"
+               : error == cudaSuccess ? "no CUDA device"
+                                      : cudaGetErrorString(error);
   cudaGetLastError();  // an error that has been dealt with must not be found by a later call
   return false;
 }

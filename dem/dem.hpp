@@ -5,6 +5,7 @@
 // (Thrust OMP or Thrust CUDA, one kernel source). Errors: base::UserError, base::UnstableError.
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -174,6 +175,13 @@ struct WallContact {
   double overlap = 0;  // [m]
 };
 
+/// Grains and contacts of one instant, as Simulation's members of these names tell them.
+struct Picture {
+  std::vector<Grain> grains;
+  std::vector<GrainContact> grain_contacts;
+  std::vector<WallContact> wall_contacts;
+};
+
 /// Contacts at a node of a mesh: tangent stiffness, the larger of normal and shear, and normal dashpot, as sums
 /// |N_a| sum_b |N_b| of the shape functions N at the points of contact: row sums of the springs' matrix.
 struct NodeSpring {
@@ -292,6 +300,11 @@ class Simulation {
   /// Contacts as of the last advance(); none after grains have been added or removed, until the next.
   virtual std::vector<GrainContact> grain_contacts() const = 0;
   virtual std::vector<WallContact> wall_contacts() const = 0;
+  /// What grains(), grain_contacts() and wall_contacts() would tell now, and what save() would, for files that are
+  /// written while the simulation goes on: the function that is returned gives it, once, to any thread. On a GPU nobody
+  /// waits for the copies before that.
+  virtual std::function<Picture()> picture() const;
+  virtual std::function<base::Columns()> saved() const;
   virtual Counts counts() const = 0;
   virtual Backend backend() const = 0;
 };

@@ -34,6 +34,14 @@ std::unique_ptr<Simulation> Simulation::create(const Setup& setup, Backend backe
 #endif
 }
 
+std::function<Picture()> Simulation::picture() const {
+  return [picture = Picture{grains(), grain_contacts(), wall_contacts()}]() mutable { return std::move(picture); };
+}
+
+std::function<base::Columns()> Simulation::saved() const {
+  return [columns = save()]() mutable { return std::move(columns); };
+}
+
 void use_device([[maybe_unused]] int number) {
 #if defined(TRACKBED_WITH_CUDA)
   cuda_use_device(number);

@@ -59,6 +59,7 @@ class ExplicitModel : public Model {
   double load_value(const std::string& name) const override;
   void set_displacement_zero() override;
   void write(const std::string& directory, double time) override;
+  std::function<void()> picture(const std::string& directory, double time) override;
   base::Columns save() const override;
   void restore(const base::Columns&) override;
   std::vector<BodyModes> find_modes(int count) override;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/memory.hpp"
 #include "fem/communication.hpp"
@@ -253,6 +254,11 @@ void ExplicitModel::set_displacement_zero() {
 }
 
 void ExplicitModel::write(const std::string& directory, double time) {
+  const auto file = picture(directory, time);
+  on_first_rank(layout_.comm, [&] { file(); });
+}
+
+std::function<void()> ExplicitModel::picture(const std::string& directory, double time) {
   std::vector<double> shown(displacement_.data(), displacement_.data() + displacement_.owned_size());
   for (std::size_t i = 0; i < zero_.size(); ++i) shown[i] -= zero_[i];
   displacement_.begin_to_ghosts();
@@ -260,8 +266,12 @@ void ExplicitModel::write(const std::string& directory, double time) {
   velocity_.begin_to_ghosts();
   velocity_.end_to_ghosts();
   const auto supported = reactions();
-  output_->write(directory, {time, shown, displacement_, velocity_, &acceleration_, &supported});
-  base::release_memory();  // what the picture took is half of what the model needs
+  auto file = output_->picture(directory, {time, shown, displacement_, velocity_, &acceleration_, &supported});
+  if (!file) return {};
+  return [file = std::move(file)]() mutable {
+    std::exchange(file, {})();
+    base::release_memory();  // what the picture took is half of what the model needs
+  };
 }
 
 std::vector<BodyModes> ExplicitModel::find_modes(int count) {

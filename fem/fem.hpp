@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -229,6 +230,10 @@ class Model {
   /// Appends one time level to DIR/<body>.pvd and writes DIR/<body>/<body>_NNNN.vtu for every body (output.hpp). Throws
   /// base::MachineError when the disk fails.
   virtual void write(const std::string& directory, double time) = 0;
+  /// The same in two parts: the values of this instant are gathered, and on the first rank the function that is
+  /// returned writes them, once, in any thread; the model may go on and be written again, but must live until then. On
+  /// the other ranks there is none. Collective.
+  virtual std::function<void()> picture(const std::string& directory, double time) = 0;
 
   // ---- checkpoint
   /// All that the steps to come depend on, between two steps, by global numbers of nodes and elements: whole on the

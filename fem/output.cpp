@@ -89,7 +89,7 @@ struct Output::Impl {
     return grid;
   }
 
-  void set_points(Grid& grid, int b, const char* name, const std::vector<double>& values) {
+  void set_points(Grid& grid, int b, const char* name, const std::vector<double>& values) const {
     const auto nodes = static_cast<vtkIdType>(meshes[b].nodes.size());
     auto data = array(name, 3, nodes);
     for (vtkIdType i = 0; i < nodes; ++i) {
@@ -99,7 +99,7 @@ struct Output::Impl {
   }
 
   /// `plastic` is empty where no law of the body knows plastic strain.
-  void set_cells(Grid& grid, int b, const std::vector<double>& stresses, const std::vector<double>& plastic) {
+  void set_cells(Grid& grid, int b, const std::vector<double>& stresses, const std::vector<double>& plastic) const {
     auto stress = stress_array("stress", meshes[b].element_count()),
          mises = array("von_mises", 1, meshes[b].element_count()),
          principals = array("principal_stress", 3, meshes[b].element_count());
@@ -148,27 +148,54 @@ struct Output::Impl {
     for (const auto& data : {stress, mises, principals}) grid->GetPointData()->AddArray(data);
   }
 
-  void write_file(const Grid& grid, int b, const std::string& directory, double time) {
+  /// A picture's file, its line in the collection, and what the collection's file holds then.
+  struct Place {
+    std::filesystem::path file;
+    base::Pvd collection;
+    std::string collection_text;
+  };
+
+  /// The next number in the body's collection.
+  Place next_place(int b, const std::string& directory, double time) {
     const std::string& name = setup.bodies[b].name;
-    const auto folder = std::filesystem::path(directory) / name;
     const auto collection_file = std::filesystem::path(directory) / (name + ".pvd");
-    std::error_code failure;
-    std::filesystem::create_directories(folder, failure);
-    const auto [place, fresh] = collections.try_emplace(collection_file.string(), base::Pvd(collection_file), 0);
-    auto& [collection, count] = place->second;
+    const auto [known_file, fresh] = collections.try_emplace(collection_file.string(), base::Pvd(collection_file), 0);
+    auto& [collection, count] = known_file->second;
     if (const auto known = earlier.find(name); fresh && known != earlier.end()) {
       collection.go_on_after(known->second.first);
       count = known->second.second;
     }
-    const std::string file = fmt::format("{}_{:04d}.vtu", name, count++);
+    const std::string file = fmt::format("{0}/{0}_{1:04d}.vtu", name, count++);
+    std::string text = collection.enter(time, file);
+    return {std::filesystem::path(directory) / file, base::Pvd(collection_file), std::move(text)};
+  }
+
+  void write_file(const Grid& grid, const Place& place) const {
+    std::error_code failure;
+    std::filesystem::create_directories(place.file.parent_path(), failure);
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    writer->SetFileName((folder / file).c_str());
+    writer->SetFileName(place.file.c_str());
     writer->SetInputData(grid);
     const bool written = !failure && writer->Write() == 1 && writer->GetErrorCode() == 0;
-    if (!written) {
-      throw base::MachineError("cannot write " + (folder / file).string() + ": is the disk full or read-only?");
-    }
-    collection.add(time, name + "/" + file);
+    if (!written) throw base::MachineError("cannot write " + place.file.string() + ": is the disk full or read-only?");
+    place.collection.write(place.collection_text);
+  }
+
+  /// What a picture needs of the instant; on the first rank.
+  struct Values {
+    std::vector<double> displacement, velocity, acceleration, reactions;
+    std::vector<std::vector<double>> stresses, plastic;  // by body
+  };
+
+  void write_body(int b, const Values& values, const Place& place) const {
+    Grid grid = grid_of(b);
+    set_points(grid, b, "displacement", values.displacement);
+    set_points(grid, b, "velocity", values.velocity);
+    if (!values.acceleration.empty()) set_points(grid, b, "acceleration", values.acceleration);
+    if (!values.reactions.empty()) set_points(grid, b, "reaction", values.reactions);
+    set_cells(grid, b, values.stresses[b], values.plastic[b]);
+    smooth(grid, b);
+    write_file(grid, place);
   }
 };
 
@@ -195,38 +222,39 @@ void Output::restore(const base::Columns& columns) {
 }
 
 void Output::write(const std::string& directory, const Frame& frame) {
+  const auto file = picture(directory, frame);
+  on_first_rank(impl_->layout.comm, [&] { file(); });
+}
+
+std::function<void()> Output::picture(const std::string& directory, const Frame& frame) {
   Impl& impl = *impl_;
-  const Layout& layout = impl.layout;
+  const MPI_Comm comm = impl.layout.comm;
   if (impl.elements.empty()) impl.start();
-  const auto displacement = gathered<double>(layout.comm, frame.displacement, MPI_DOUBLE);
+  const auto values = std::make_shared<Impl::Values>();
   const auto of_field = [&](const NodalField& field) {
-    return gathered<double>(layout.comm, {field.data(), static_cast<std::size_t>(field.owned_size())}, MPI_DOUBLE);
+    return gathered<double>(comm, {field.data(), static_cast<std::size_t>(field.owned_size())}, MPI_DOUBLE);
   };
-  const auto velocity = of_field(frame.velocity);
-  std::vector<double> acceleration, reactions;
-  if (frame.acceleration) acceleration = of_field(*frame.acceleration);
-  if (frame.reactions) reactions = gathered<double>(layout.comm, *frame.reactions, MPI_DOUBLE);
-  std::vector<std::vector<double>> stresses, plastic;
-  for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
+  values->displacement = gathered<double>(comm, frame.displacement, MPI_DOUBLE);
+  values->velocity = of_field(frame.velocity);
+  if (frame.acceleration) values->acceleration = of_field(*frame.acceleration);
+  if (frame.reactions) values->reactions = gathered<double>(comm, *frame.reactions, MPI_DOUBLE);
+  const int bodies = static_cast<int>(impl.meshes.size());
+  for (int b = 0; b < bodies; ++b) {
     const auto own = impl.assembly.stresses(b, frame.strained, &frame.velocity);
-    stresses.push_back(
-        gathered<double>(layout.comm, {own.empty() ? nullptr : own.front().data(), 6 * own.size()}, MPI_DOUBLE));
-    plastic.emplace_back();
+    values->stresses.push_back(
+        gathered<double>(comm, {own.empty() ? nullptr : own.front().data(), 6 * own.size()}, MPI_DOUBLE));
+    values->plastic.emplace_back();
     if (std::ranges::any_of(impl.setup.bodies[b].materials, keeps_history))
-      plastic.back() = gathered<double>(layout.comm, impl.assembly.plastic_strains(b), MPI_DOUBLE);
+      values->plastic.back() = gathered<double>(comm, impl.assembly.plastic_strains(b), MPI_DOUBLE);
   }
-  on_first_rank(layout.comm, [&] {
-    for (int b = 0; b < static_cast<int>(impl.meshes.size()); ++b) {
-      Grid grid = impl.grid_of(b);
-      impl.set_points(grid, b, "displacement", displacement);
-      impl.set_points(grid, b, "velocity", velocity);
-      if (frame.acceleration) impl.set_points(grid, b, "acceleration", acceleration);
-      if (frame.reactions) impl.set_points(grid, b, "reaction", reactions);
-      impl.set_cells(grid, b, stresses[b], plastic[b]);
-      impl.smooth(grid, b);
-      impl.write_file(grid, b, directory, frame.time);
-    }
-  });
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  if (rank > 0) return {};
+  std::vector<Impl::Place> places;
+  for (int b = 0; b < bodies; ++b) places.push_back(impl.next_place(b, directory, frame.time));
+  return [&impl, values, places = std::move(places)] {
+    for (std::size_t b = 0; b < places.size(); ++b) impl.write_body(static_cast<int>(b), *values, places[b]);
+  };
 }
 
 }  // namespace fem

@@ -3,6 +3,7 @@
 // nodes: displacement, velocity, acceleration, reaction (of supports and motions), nodal_stress (mean of the elements
 // around the node) and the nodal_von_mises and nodal_principal_stress that follow from it. Of elements: mean stress,
 // von_mises, principal_stress, plastic_strain where the law knows it, and region, the number of the material.
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -26,7 +27,10 @@ class Output {
   ~Output();
   /// Collective; throws base::MachineError on every rank when the disk fails.
   void write(const std::string& directory, const Frame&);
-  /// What has been written, for a checkpoint (not collective: whole on the first rank); restore() goes on after it.
+  /// Collective: gathers the frame. On the first rank the function that is returned writes it, in any thread, and
+  /// throws base::MachineError when the disk fails; on the others there is none.
+  std::function<void()> picture(const std::string& directory, const Frame&);
+  /// What has been asked for, for a checkpoint (not collective: whole on the first rank); restore() goes on after it.
   void save(base::Columns&) const;
   void restore(const base::Columns&);
 

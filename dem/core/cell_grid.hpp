@@ -2,6 +2,7 @@
 // Cells of one size on a torus: space is cut into cubes, and cubes that lie a whole number of grid lengths apart share
 // a bucket. So there is no bounding box: one grain that has flown a kilometre off costs nothing and is still found. At
 // least four buckets along each axis keep the 27 neighbours of a cell in 27 different buckets.
+#include "dem/core/list_length.hpp"
 #include "dem/core/rows.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
@@ -73,10 +74,18 @@ inline void bucket_starts(const Vector<int>& sorted, int buckets, Vector<int>& s
   thrust::lower_bound(policy(), sorted.begin(), sorted.end(), first, first + buckets + 1, start.begin());
 }
 
+struct CountAt {
+  const int* count;
+  TRACKBED_HD std::int64_t operator()(int index) const { return count[index]; }
+};
+
 /// In place: counts become starts; behind the counts is one entry more, which becomes the total. Returns the total.
+/// Throws base::MachineError where indices could not count as far.
 inline int counts_to_starts(Vector<int>& counts) {
+  const int total = list_length(reduce(static_cast<int>(counts.size()) - 1, CountAt{pointer(counts)}, std::int64_t{0},
+                                       thrust::plus<std::int64_t>()));
   thrust::exclusive_scan(policy(), counts.begin(), counts.end(), counts.begin());
-  return counts.back();
+  return total;
 }
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -1,8 +1,11 @@
 #pragma once
 // Rows on the backend as columns of a checkpoint (base/columns.hpp). A walk() names every member once, and saves or
 // loads it.
+#include <functional>
+
 #include "base/columns.hpp"
 #include "dem/core/rows.hpp"
+#include "dem/core/snapshot.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -14,6 +17,25 @@ class ToColumns : public base::Saver {
   void rows(const std::string& name, const Vector<T>& rows_of) {
     rows(name, download(rows_of));
   }
+};
+
+/// The same without waiting for rows: what is left to do when the snapshot is there.
+class ToColumnsLater : public base::Saver {
+ public:
+  using base::Saver::rows;
+  ToColumnsLater(base::Columns& now, Snapshot& snapshot, Queue& queue)
+      : base::Saver(now), snapshot_(snapshot), queue_(queue) {}
+  template <class T>
+  void rows(const std::string& name, const Vector<T>& rows_of) {
+    const auto taken = snapshot_.take(queue_, rows_of);
+    left_.push_back([name, taken](base::Columns& to) { base::Saver(to).rows(name, taken); });
+  }
+  std::vector<std::function<void(base::Columns&)>> left() { return std::move(left_); }
+
+ private:
+  Snapshot& snapshot_;
+  Queue& queue_;
+  std::vector<std::function<void(base::Columns&)>> left_;
 };
 
 class FromColumns : public base::Loader {

@@ -1,8 +1,9 @@
 #pragma once
 // The order in which the kernels of a step run. On CUDA they go into a stream of the simulation's own, without waiting
-// for anything; many steps of the same kernels are captured once as a graph and started again and again. On processors
-// everything is done at once by the same calls, and repeated steps are the same noted calls again, so that what a graph
-// may rely on (addresses, numbers of rows) is tested there.
+// for anything; many steps of the same kernels are captured once as a graph and started again and again, and so is a
+// short window as long as it queues the same. On processors everything is done at once by the same calls, and what is
+// repeated are the same noted calls again, so that what a graph may rely on (addresses, numbers of rows) is tested
+// there.
 //
 // The stream is of the kind that waits for the default stream and for which the default stream waits: list builds,
 // which Thrust does there, need no events.
@@ -10,6 +11,7 @@
 #include <functional>
 
 #include "dem/core/backend.hpp"
+#include "dem/core/launch_notes.hpp"
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
@@ -26,7 +28,7 @@ TRACKBED_HD inline double number_of(NumberBits bits) {
   return number;
 }
 
-/// Steps up to this number are not worth a graph.
+/// Steps up to this number are not worth a graph of their own.
 constexpr int steps_without_graph = 4;
 /// Threads that share one sum, each with every so many-th term.
 constexpr int sum_threads = 256;
@@ -104,6 +106,33 @@ class HostRows {
   std::size_t room_ = 0;
 };
 
+/// When what was queued up to some point is done, for any thread.
+class Arrival {
+ public:
+  Arrival() = default;
+  ~Arrival() {
+    if (event_) cudaEventDestroy(event_);
+  }
+  Arrival(const Arrival&) = delete;
+  Arrival& operator=(const Arrival&) = delete;
+  void note(cudaStream_t stream) {
+    if (!event_) {
+      require_device(cudaGetDevice(&device_), "the device");
+      require_device(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming | cudaEventBlockingSync), "an event");
+    }
+    require_device(cudaEventRecord(event_, stream), "an event");
+  }
+  void wait() {
+    if (!event_) return;
+    require_device(cudaSetDevice(device_), "the device");  // another thread knows of none
+    require_device(cudaEventSynchronize(event_), "a copy");
+  }
+
+ private:
+  cudaEvent_t event_ = nullptr;
+  int device_ = 0;
+};
+
 class Queue {
  public:
   Queue() {
@@ -114,7 +143,8 @@ class Queue {
   }
   ~Queue() {
     cudaStreamSynchronize(stream_);
-    if (steps_) cudaGraphExecDestroy(steps_);
+    for (const cudaGraphExec_t graph : {steps_, window_})
+      if (graph) cudaGraphExecDestroy(graph);
     cudaEventDestroy(forked_);
     cudaEventDestroy(joined_);
     cudaStreamDestroy(side_);
@@ -126,12 +156,12 @@ class Queue {
   /// functor(index) for 0 … n-1.
   template <class Functor>
   void launch(int n, const Functor& functor) {
-    if (n > 0) launch_on(on_side_ ? side_ : stream_, n, functor);
+    if (n > 0 && !noted(&mark_of<Functor>, n, functor)) launch_on(on_side_ ? side_ : stream_, n, functor);
   }
   /// *largest = the larger of itself and all functor(index), which are not negative.
   template <class Functor>
   void launch_largest(int n, const Functor& functor, NumberBits* largest) {
-    if (n <= 0) return;
+    if (n <= 0 || noted(&mark_of<Functor>, n, functor, largest)) return;
     largest_kernel<<<blocks_of(n), kernel_threads, 0, stream_>>>(n, functor, largest);
     require_device(cudaGetLastError(), "a kernel");
   }
@@ -139,7 +169,7 @@ class Queue {
   /// functor.finish(result, sums); nothing where functor.skip(result).
   template <int N, class Functor>
   void launch_sums(int results, int n, const Functor& functor) {
-    if (results <= 0) return;
+    if (results <= 0 || noted(&mark_of<Functor>, results, n, functor)) return;
     sum_kernel<N><<<static_cast<unsigned>(results), sum_threads, 0, stream_>>>(n, functor);
     require_device(cudaGetLastError(), "a kernel");
   }
@@ -147,13 +177,17 @@ class Queue {
   /// alone; nothing where functor.idle().
   template <int N, class Functor>
   void launch_groups(int n, const Functor& functor) {
-    if (n <= 0) return;
+    if (n <= 0 || noted(&mark_of<Functor>, n, functor)) return;
     group_kernel<N><<<blocks_of(n), kernel_threads, 0, on_side_ ? side_ : stream_>>>(n, functor);
     require_device(cudaGetLastError(), "a kernel");
   }
   /// What the two launch may run at the same time.
   template <class First, class Second>
   void side_by_side(const First& first, const Second& second) {
+    if (noted(&mark_of<Queue>)) {
+      second();
+      return first();
+    }
     require_device(cudaEventRecord(forked_, stream_), "an event");
     require_device(cudaStreamWaitEvent(side_, forked_), "an event");
     on_side_ = true;
@@ -171,29 +205,64 @@ class Queue {
       for (int k = 0; k < times; ++k) step();
       return;
     }
-    capture(step);
+    capture(step, steps_);
     for (int k = 0; k < times; ++k) require_device(cudaGraphLaunch(steps_, stream_), "a graph");
+  }
+  /// queue_all(), which queues few steps with what goes before and after them. What it queues twice in a row becomes a
+  /// graph, which is started as long as it would queue the same: same kernels, rows, numbers and copies. It is called
+  /// up to twice, and does nothing else that matters.
+  template <class All>
+  void window(const All& queue_all) {
+    if (!note(queue_all)) {
+      window_is_graph_ = false;
+      return queue_all();
+    }
+    if (!window_is_graph_) capture(queue_all, window_);
+    window_is_graph_ = true;
+    require_device(cudaGraphLaunch(window_, stream_), "a graph");
   }
 
   template <class T>
   void send(const T* host, T* device, std::size_t n) {
-    if (n > 0) require_device(cudaMemcpyAsync(device, host, n * sizeof(T), cudaMemcpyHostToDevice, stream_), "a copy");
+    copy(host, device, n, cudaMemcpyHostToDevice);
   }
   template <class T>
   void fetch(const T* device, T* host, std::size_t n) {
-    if (n > 0) require_device(cudaMemcpyAsync(host, device, n * sizeof(T), cudaMemcpyDeviceToHost, stream_), "a copy");
+    copy(device, host, n, cudaMemcpyDeviceToHost);
   }
   void wait() { require_device(cudaStreamSynchronize(stream_), "a step"); }
+  void note(Arrival& arrival) { arrival.note(stream_); }
 
  private:
   cudaStream_t stream_ = nullptr, side_ = nullptr;
   cudaEvent_t forked_ = nullptr, joined_ = nullptr;
-  cudaGraphExec_t steps_ = nullptr;
-  bool on_side_ = false;
+  cudaGraphExec_t steps_ = nullptr, window_ = nullptr;
+  bool on_side_ = false, notes_only_ = false, window_is_graph_ = false;
+  LaunchNotes notes_;
+
+  template <class T>
+  void copy(const T* from, T* to, std::size_t n, cudaMemcpyKind kind) {
+    if (n == 0 || noted(&mark_of<T>, from, to, n)) return;
+    require_device(cudaMemcpyAsync(to, from, n * sizeof(T), kind, stream_), "a copy");
+  }
+  template <class... T>
+  bool noted(const T&... what) {
+    if (notes_only_) notes_.add(what...);
+    return notes_only_;
+  }
+  /// Whether it is the same again.
+  template <class All>
+  bool note(const All& queue_all) {
+    notes_.begin();
+    notes_only_ = true;
+    queue_all();
+    notes_only_ = false;
+    return notes_.same_again();
+  }
 
   /// A graph of the same form takes new addresses and numbers without being made anew.
   template <class Step>
-  void capture(const Step& step) {
+  void capture(const Step& step, cudaGraphExec_t& graph_to_start) {
     require_device(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "a capture");
     cudaGraph_t graph = nullptr;
     try {
@@ -205,12 +274,12 @@ class Queue {
     }
     require_device(cudaStreamEndCapture(stream_, &graph), "a capture");
     cudaGraphExecUpdateResultInfo how{};
-    if (steps_ && cudaGraphExecUpdate(steps_, graph, &how) != cudaSuccess) {
+    if (graph_to_start && cudaGraphExecUpdate(graph_to_start, graph, &how) != cudaSuccess) {
       cudaGetLastError();  // the graph has another form
-      cudaGraphExecDestroy(steps_);
-      steps_ = nullptr;
+      cudaGraphExecDestroy(graph_to_start);
+      graph_to_start = nullptr;
     }
-    const cudaError_t made = steps_ ? cudaSuccess : cudaGraphInstantiate(&steps_, graph, 0);
+    const cudaError_t made = graph_to_start ? cudaSuccess : cudaGraphInstantiate(&graph_to_start, graph, 0);
     cudaGraphDestroy(graph);
     require_device(made, "a graph");
   }
@@ -249,6 +318,10 @@ class HostRows {
   std::vector<T> rows_;
 };
 
+struct Arrival {
+  void wait() {}
+};
+
 class Queue {
  public:
   Queue() = default;
@@ -257,18 +330,21 @@ class Queue {
 
   template <class Functor>
   void launch(int n, const Functor& functor) {
-    now_or_noted([n, functor] { dem::TRACKBED_DEM_SYSTEM::launch(n, functor); });
+    if (n <= 0 || noted(&mark_of<Functor>, n, functor)) return;
+    now_or_later([n, functor] { dem::TRACKBED_DEM_SYSTEM::launch(n, functor); });
   }
   template <class Functor>
   void launch_largest(int n, const Functor& functor, NumberBits* largest) {
-    now_or_noted([n, functor, largest] {
+    if (n <= 0 || noted(&mark_of<Functor>, n, functor, largest)) return;
+    now_or_later([n, functor, largest] {
       const double found = reduce(n, functor, 0.0, thrust::maximum<double>());
       if (bits_of(found) > *largest) *largest = bits_of(found);
     });
   }
   template <int N, class Functor>
   void launch_sums(int results, int n, const Functor& functor) {
-    now_or_noted([results, n, functor] {
+    if (results <= 0 || noted(&mark_of<Functor>, results, n, functor)) return;
+    now_or_later([results, n, functor] {
       for (int result = 0; result < results; ++result) {
         if (functor.skip(result)) continue;
         Sums<N> partial[sum_threads];
@@ -296,32 +372,59 @@ class Queue {
       for (int k = 0; k < times; ++k) step();
       return;
     }
-    noted_.clear();
-    notes_ = true;
-    step();
-    notes_ = false;
+    keep_calls(step, step_calls_);
     for (int k = 0; k < times; ++k)
-      for (const auto& call : noted_) call();
+      for (const auto& call : step_calls_) call();
+  }
+  template <class All>
+  void window(const All& queue_all) {
+    notes_.begin();
+    notes_only_ = true;
+    queue_all();
+    notes_only_ = false;
+    if (!notes_.same_again()) {
+      window_calls_.clear();
+      return queue_all();
+    }
+    if (window_calls_.empty()) keep_calls(queue_all, window_calls_);
+    for (const auto& call : window_calls_) call();
   }
 
   template <class T>
   void send(const T* host, T* device, std::size_t n) {
-    std::copy_n(host, n, device);
+    if (n == 0 || noted(&mark_of<T>, host, device, n)) return;
+    now_or_later([=] { std::copy_n(host, n, device); });
   }
   template <class T>
   void fetch(const T* device, T* host, std::size_t n) {
-    std::copy_n(device, n, host);
+    send(device, host, n);
   }
   void wait() {}
+  void note(Arrival&) {}
 
  private:
-  bool notes_ = false;
-  std::vector<std::function<void()>> noted_;
+  using Calls = std::vector<std::function<void()>>;
+  Calls step_calls_, window_calls_;
+  Calls* kept_ = nullptr;  // calls go there instead of being done
+  bool notes_only_ = false;
+  LaunchNotes notes_;
 
+  template <class... T>
+  bool noted(const T&... what) {
+    if (notes_only_) notes_.add(what...);
+    return notes_only_;
+  }
+  template <class Step>
+  void keep_calls(const Step& step, Calls& calls) {
+    calls.clear();
+    kept_ = &calls;
+    step();
+    kept_ = nullptr;
+  }
   template <class Call>
-  void now_or_noted(const Call& call) {
-    if (notes_)
-      noted_.push_back(call);
+  void now_or_later(const Call& call) {
+    if (kept_)
+      kept_->push_back(call);
     else
       call();
   }

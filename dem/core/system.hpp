@@ -8,9 +8,11 @@
 #include "dem/core/bonds.hpp"
 #include "dem/core/control.hpp"
 #include "dem/core/ghosts.hpp"
+#include "dem/core/host_rows.hpp"
 #include "dem/core/leapfrog.hpp"
 #include "dem/core/ledger.hpp"
 #include "dem/core/pairs.hpp"
+#include "dem/core/snapshot.hpp"
 #if !defined(TRACKBED_DEM_CUDA)
 #include "dem/core/plane_list.hpp"
 #include "dem/core/sweep_lists.hpp"
@@ -75,6 +77,8 @@ class System final : public Simulation {
   void reset_energy() override;
   std::vector<GrainContact> grain_contacts() const override;
   std::vector<WallContact> wall_contacts() const override;
+  std::function<Picture()> picture() const override;
+  std::function<base::Columns()> saved() const override;
   Counts counts() const override;
   Backend backend() const override { return backend_; }
 
@@ -88,7 +92,6 @@ class System final : public Simulation {
   void make_bodies();
   void add_bodies(std::span<const Grain>);
   void set_body_masses();
-  std::vector<Grain> body_grains() const;
   void set_bodies(std::span<const Grain>);
   void carry_spheres();
   template <class Forces, class Visit>
@@ -96,7 +99,9 @@ class System final : public Simulation {
   // system_queue.hpp
   bool queues() const;
   void advance_queued(int n, double dt);
-  void start_steps(Control&);
+  void set_start(Control&);
+  void send_start();
+  void queue_look();
   void look(Control&);
   void send_free_control(double dt, int step);
   void queue_step(double dt);
@@ -188,6 +193,12 @@ class System final : public Simulation {
   void reference_gravity(bool referenced);
   template <class Visit>
   void each_pair(Visit&& visit) const;
+  template <class Take>
+  GrainRows grain_rows(Take&&) const;
+  template <class Take>
+  PairRows pair_rows(Take&&, bool listed) const;
+  template <class Take>
+  NearWallRows near_wall_rows(Take&&) const;
   void flush_losses();
   void flush_impulses();
   void settle_gravity();
@@ -266,6 +277,7 @@ class System final : public Simulation {
   Vector<Vec3> wall_impulse_;  // [N s] on grains, without the flushed part
   HostRows<Vec3> wall_impulse_host_;
   bool wall_impulse_is_here_ = false;
+  mutable std::shared_ptr<Snapshot> pictured_, saved_;  // memory of the last picture() and saved()
 };
 
 }  // namespace dem::TRACKBED_DEM_SYSTEM

@@ -118,26 +118,6 @@ inline void System::carry_spheres() {
          PlaceSpheres{carry, pointer(bodies_.place), pointer(bodies_.orientation), std::as_const(bodies_).states()});
 }
 
-inline std::vector<Grain> System::body_grains() const {
-  const auto ids = download(bodies_.id);
-  const auto place = download(bodies_.place);
-  auto state = download(bodies_.state);
-  const Rows<Quad> rows{state.data(), 2};
-  const auto orientation = download(bodies_.orientation);
-  const auto material = download(bodies_.material), shape = download(bodies_.shape);
-  std::vector<Grain> grains(ids.size());
-  for (int b = 0; b < bodies_.size(); ++b)
-    grains[b] = {.position = place[b].position,
-                 .radius = place[b].radius,
-                 .velocity = rows.translation(b).vector,
-                 .angular_velocity = rows.rotation(b).vector,
-                 .material = material[b],
-                 .id = ids[b],
-                 .shape = shape[b],
-                 .orientation = orientation[b]};
-  return grains;
-}
-
 inline void System::set_bodies(std::span<const Grain> changed) {
   std::unordered_map<std::int64_t, const Grain*> by_id;
   for (const Grain& g : changed) by_id[g.id] = &g;

@@ -7,27 +7,67 @@
 
 namespace dem::TRACKBED_DEM_SYSTEM {
 
+/// take(rows) gives them on the host.
+template <class Take>
+GrainRows System::grain_rows(Take&& take) const {
+  if (!bodies_.any())
+    return {.place = take(grains_.place),
+            .state = take(grains_.state),
+            .parts = grains_.parts,
+            .material = take(grains_.material),
+            .shape = {},
+            .orientation = {},
+            .id = take(grains_.id)};
+  return {.place = take(bodies_.place),
+          .state = take(bodies_.state),
+          .parts = 2,
+          .material = take(bodies_.material),
+          .shape = take(bodies_.shape),
+          .orientation = take(bodies_.orientation),
+          .id = take(bodies_.id)};
+}
+
+/// Without the list where it is a sweep's.
+template <class Take>
+PairRows System::pair_rows(Take&& take, bool listed) const {
+  PairRows rows{.place = take(grains_.place),
+                .motion = take(grains_.motion),
+                .parts = grains_.parts,
+                .material = take(grains_.material),
+                .owner = take(images_.owner),
+                .shift = take(images_.shift),
+                .first_image = images_.first,
+                .periods = periods_,
+                .parameters = grain_parameters_host_,
+                .materials = static_cast<int>(setup_.materials.size()),
+                .ahead = last_ahead_,
+                .first = {},
+                .second = {},
+                .history = {},
+                .short_history = {},
+                .stride = pairs_.history_stride};
+  if (!listed) return rows;
+  rows.first = take(pairs_.first);
+  rows.second = take(pairs_.second_row.empty() ? pairs_.second : pairs_.second_row);
+  rows.history = take(pairs_.full.history);
+  rows.short_history = take(pairs_.mixed.history);
+  return rows;
+}
+
+template <class Take>
+NearWallRows System::near_wall_rows(Take&& take) const {
+  return {.grain = take(near_walls_.grain),
+          .start = take(near_walls_.start),
+          .candidate = take(near_walls_.candidate),
+          .state = take(near_walls_.state),
+          .facet = take(walls_.facets),
+          .place = take(grains_.place),
+          .id = take(grains_.id)};
+}
+
 inline std::vector<Grain> System::grains() const {
-  if (bodies_.any()) {
-    auto grains = body_grains();
-    std::sort(grains.begin(), grains.end(), [](const Grain& a, const Grain& b) { return a.id < b.id; });
-    return grains;
-  }
-  const auto ids = download(grains_.id);
-  const auto place = download(grains_.place);
-  auto state = download(grains_.state);
-  const Rows<Quad> rows{state.data(), grains_.parts};
-  const auto material = download(grains_.material);
-  std::vector<Grain> grains(ids.size());
-  for (std::size_t g = 0; g < ids.size(); ++g)
-    grains[g] = {.position = place[g].position,
-                 .radius = place[g].radius,
-                 .velocity = rows.translation(static_cast<int>(g)).vector,
-                 .angular_velocity = rows.parts == 1 ? Vec3{} : rows.rotation(static_cast<int>(g)).vector,
-                 .material = material[g],
-                 .id = ids[g]};
-  std::sort(grains.begin(), grains.end(), [](const Grain& a, const Grain& b) { return a.id < b.id; });
-  return grains;
+  Downloads take;
+  return grain_rows(take).grains();
 }
 
 inline std::vector<GrainSphere> System::spheres() const {
@@ -192,32 +232,20 @@ inline void System::nodal_impulse(int wall, std::span<Vec3> impulse) const {
 }
 
 // ---- contacts
-/// Calls visit(i, j, meeting, parameters, force on i, period) for every pair of grains that touches, on host copies; j
-/// is met where it lies plus the period. The
-/// histories are half a step ahead: taken back, the law gives the force of this instant again.
+/// As PairRows::each() says, for every pair of grains that touches; the period has the way of ghosts in a ring too.
 template <class Visit>
 void System::each_contact(Visit&& visit) const {
   if (rows_moved_) return;
-  const auto place = download(grains_.place);
-  const auto motion = download(grains_.motion);
-  const auto material = download(grains_.material);
-  const auto owner = download(images_.owner), shift = download(images_.shift);
-  const PairGeometry geometry{place.data(), {motion.data(), grains_.parts}};
-  const int materials = static_cast<int>(setup_.materials.size());
-  const auto look = [&](int i, int row, const double* kept, int numbers) {
-    Meeting<double> meeting;
-    if (!geometry.meet(i, row, meeting)) return;
-    const int image = owner.empty() ? -1 : row - images_.first, j = image < 0 ? row : owner[image];
-    double history[maximum_numbers] = {};
-    std::copy_n(kept, numbers, history);
-    const auto& parameters = grain_parameters_host_[material[i] * materials + material[j]];
-    const kernels::Interval back{-last_ahead_, 0};
-    const Vec3 force = AnyLaw::press<false>(parameters, meeting.touch, back, history).force;
-    Vec3 period = image < 0 ? Vec3{} : periods_.vector(shift[image]);
-    period.x += ghosts_.shift_of(j);
-    visit(i, j, meeting, parameters, force, period);
-  };
-  each_pair(look);
+  Downloads take;
+  const PairRows rows = pair_rows(take, false);
+  each_pair([&](int i, int row, const double* kept, int numbers) {
+    rows.look(i, row, kept, numbers,
+              [&](int a, int j, const Meeting<double>& meeting, const kernels::PairParameters& parameters,
+                  const Vec3& force, Vec3 period) {
+                period.x += ghosts_.shift_of(j);
+                visit(a, j, meeting, parameters, force, period);
+              });
+  });
 }
 
 /// Calls visit(i, row of j, history, numbers) for every listed pair, in the numbering of the lists.
@@ -264,22 +292,33 @@ inline std::vector<GrainContact> System::grain_contacts() const {
 
 inline std::vector<WallContact> System::wall_contacts() const {
   if (rows_moved_) return {};
-  const auto grain = download(near_walls_.grain), start = download(near_walls_.start);
-  const auto candidate = download(near_walls_.candidate);
-  const auto state = download(near_walls_.state);
-  const auto facets = download(walls_.facets);
-  const auto place = download(grains_.place);
-  const auto ids = download(grains_.id);
-  std::vector<WallContact> contacts;
-  for (std::size_t w = 0; w < grain.size(); ++w)
-    for (int c = start[w]; c < start[w + 1]; ++c) {
-      const Place& p = place[grain[w]];
-      const WallState& s = state[c];
-      if (s.overlap > 0)
-        contacts.push_back({ids[grain[w]], facets[candidate[c]].wall, p.position,
-                            p.position - (p.radius - s.overlap) * s.normal, s.force, s.overlap});
-    }
-  return contacts;
+  Downloads take;
+  return near_wall_rows(take).contacts();
+}
+
+/// Sweeps put it together now: their lists are spread over the threads' own memory.
+inline std::function<Picture()> System::picture() const {
+  if (sweeps() || in_company()) return Simulation::picture();
+  const auto snapshot = begin_snapshot(pictured_);
+  const auto take = [&](const auto& rows) { return snapshot->take(queue_, rows); };
+  GrainRows grains = grain_rows(take);
+  PairRows pairs;
+  NearWallRows walls;
+  if (!rows_moved_) {
+    pairs = pair_rows(take, true);
+    walls = near_wall_rows(take);
+  }
+  snapshot->end(queue_);
+  return [snapshot, grains, pairs = std::move(pairs), walls] {
+    snapshot->wait();
+    Picture picture{grains.grains(), {}, walls.contacts()};
+    pairs.each([&](int i, int j, const Meeting<double>& meeting, const kernels::PairParameters&, const Vec3& force,
+                   const Vec3& period) {
+      picture.grain_contacts.push_back({walls.id[i], walls.id[j], pairs.place[i].position,
+                                        pairs.place[j].position + period, force, meeting.touch.overlap, period});
+    });
+    return picture;
+  };
 }
 
 inline Counts System::counts() const {

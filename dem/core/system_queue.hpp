@@ -19,14 +19,28 @@ inline void System::advance_queued(int n, double dt) {
   now.steps = n;
   now.dt = dt;
   now.gravity = setup_.gravity;
-  start_steps(now);
+  set_start(now);
   last_ahead_ = interval(dt).ahead;
+  const auto queue_last_steps = [&](int steps) {
+    queue_.repeat(steps, [&] { queue_step(dt); });
+    queue_end(dt, dt);
+    if (walls_.nodal()) fetch_impulses();
+    queue_look();
+  };
+  const bool is_short = n <= steps_without_graph;
+  if (!is_short) send_start();
   for (int begun = 0;;) {
     const int end = std::min(n, begun + steps_between_looks);
-    queue_.repeat(end - begun, [&] { queue_step(dt); });
-    if (end == n) {
-      queue_end(dt, dt);
-      if (walls_.nodal()) fetch_impulses();
+    if (is_short && begun == 0) {  // a coupled window, mostly: the same as the last one until lists are new
+      queue_.window([&] {
+        send_start();
+        queue_last_steps(n);
+      });
+    } else if (end == n) {
+      queue_last_steps(end - begun);
+    } else {
+      queue_.repeat(end - begun, [&] { queue_step(dt); });
+      queue_look();
     }
     look(now);
     steps_ = before + now.step;
@@ -34,7 +48,8 @@ inline void System::advance_queued(int n, double dt) {
     if (now.lists_are_stale()) {
       node_impulse_is_here_ = wall_impulse_is_here_ = false;
       rebuild(now.share());
-      start_steps(now);
+      set_start(now);
+      send_start();
       queue_rest_of_step(dt);
     } else {
       if (now.trouble) stop_unstable(now.trouble, now.step * dt);
@@ -44,8 +59,8 @@ inline void System::advance_queued(int n, double dt) {
   }
 }
 
-/// Sends what the steps to come start from: the present lists and walls.
-inline void System::start_steps(Control& control) {
+/// What the steps to come start from: the present lists and walls.
+inline void System::set_start(Control& control) {
   control.halts = 0;
   control.moved = 0;
   control.tight = tight_;
@@ -54,13 +69,9 @@ inline void System::start_steps(Control& control) {
   control.wall_shift = 0;  // the first step, or the forces on new lists, come whatever the walls do
   control.still_shift = walls_.shift(0);
   *control_host_.data() = control;
-  queue_.send(control_host_.data(), pointer(control_), 1);
   const bool moving = walls_.moving();
   driven_.resize(moving ? walls_.walls.size() : 0);
-  if (moving) {
-    walls_.write_drives(driven_host_.make(driven_.size()));
-    queue_.send(driven_host_.data(), pointer(driven_), driven_.size());
-  }
+  if (moving) walls_.write_drives(driven_host_.make(driven_.size()));
   std::vector<int> bodies;
   for (std::size_t k = 0; k < driven_.size(); ++k)
     if (walls_.walls[k].motion == WallMotion::body) bodies.push_back(static_cast<int>(k));
@@ -68,10 +79,18 @@ inline void System::start_steps(Control& control) {
   wall_bodies_host_ = bodies;
 }
 
-/// Waits for what has been queued.
-inline void System::look(Control& control) {
+inline void System::send_start() {
+  queue_.send(control_host_.data(), pointer(control_), 1);
+  queue_.send(driven_host_.data(), pointer(driven_), driven_.size());
+}
+
+inline void System::queue_look() {
   queue_.fetch(pointer(control_), control_host_.data(), 1);
   queue_.fetch(pointer(driven_), driven_host_.data(), driven_.size());
+}
+
+/// Waits for what has been queued.
+inline void System::look(Control& control) {
   queue_.wait();
   control = *control_host_.data();
   if (!driven_.empty()) walls_.read_drives(driven_host_.data());

@@ -155,9 +155,10 @@ void System::walk(Self& self, Walk& walk) {
   bool taken = self.taken_away_.has_value();
   walk.numbers("energy", self.totals_, self.gravity_reference_, self.gravity_referenced_, taken, taken_away);
   walk.numbers("sweep/sums", self.sweep_sums_.elastic_normal, self.sweep_sums_.elastic_shear);
+  walk_bonds(self.bonds_, walk);  // waits for some of its rows, as walls do: before rows come that are not waited for
+  Walls::walk(self.walls_, walk);
   walk_grains(self.grains_, walk);
   walk_bodies(self.bodies_, walk);
-  walk_bonds(self.bonds_, walk);
   walk.numbers("images/first", self.images_.first);
   walk.rows("images/start", self.images_.start);
   walk.rows("images/owner", self.images_.owner);
@@ -166,7 +167,6 @@ void System::walk(Self& self, Walk& walk) {
   walk.numbers("ghosts/parts", parts, self.ghosts_.first);
   if (parts > 1) walk_ghosts(self.ghosts_, walk);
   walk_pairs(self.pairs_, walk);
-  Walls::walk(self.walls_, walk);
   walk_near_walls(self.near_walls_, walk);
 #if !defined(TRACKBED_DEM_CUDA)
   SweepLists::walk(self.sweep_lists_, walk);
@@ -183,6 +183,21 @@ inline base::Columns System::save() const {
   ToColumns saver(columns);
   walk(*this, saver);
   return columns;
+}
+
+inline std::function<base::Columns()> System::saved() const {
+  if (sweeps()) return Simulation::saved();
+  const auto snapshot = begin_snapshot(saved_);
+  base::Columns columns;
+  columns["backend"] = std::string(backend_ == Backend::cuda ? "cuda" : "omp");
+  ToColumnsLater saver(columns, *snapshot, queue_);
+  walk(*this, saver);
+  snapshot->end(queue_);
+  return [snapshot, columns = std::move(columns), left = saver.left()]() mutable {
+    snapshot->wait();
+    for (const auto& rows : left) rows(columns);
+    return std::move(columns);
+  };
 }
 
 inline void System::restore(const base::Columns& columns) {

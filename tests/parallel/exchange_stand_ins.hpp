@@ -85,6 +85,7 @@ class Model final : public fem::Model {
   double load_value(const std::string&) const override { return 0; }
   void set_displacement_zero() override {}
   void write(const std::string&, double) override {}
+  std::function<void()> picture(const std::string&, double) override { return {}; }
   base::Columns save() const override { return {}; }
   void restore(const base::Columns&) override {}
   std::vector<fem::BodyModes> find_modes(int) override { return {}; }

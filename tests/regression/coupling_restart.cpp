@@ -3,9 +3,11 @@
 // sample taken twice shows in the last digits. On another number of ranks the same to rounding.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <set>
 
@@ -236,6 +238,7 @@ TEST(Restart, SignalsLeaveCheckpoints) {
     Background life(fmt::format("run '{}' --threads 1 --out '{}'", scene.string(), out.string()), 0, log);
     life.await_rows(out, 40);
     kill(life.process(), SIGUSR1);
+    life.await_text(log, "checkpoint-0001.h5");
     life.await_rows(out, 80);
     EXPECT_TRUE(fs::exists(out / "checkpoint-0001.h5")) << slurp(log);
     kill(life.process(), SIGTERM);
@@ -248,6 +251,101 @@ TEST(Restart, SignalsLeaveCheckpoints) {
             std::string::npos)
       << slurp(log);
   const auto finished = restart(scene, "auto", fmt::format("--out '{}'", out.string()));
+  ASSERT_EQ(finished.status, 0) << finished.output;
+  expect_same_bits(whole, out);
+}
+
+// ---- files in the background
+/// Goes on with a run whose first life has ended, once `plant` has been at its folder.
+Finished restart_after(const std::string& name, const std::string& text, const std::string& first_life, int ranks,
+                       const std::function<void(const fs::path&)>& plant) {
+  const fs::path scene = write_scene(name, text), out = scratch() / name;
+  EXPECT_EQ(run(scene, out, first_life, ranks).status, 0);
+  plant(out);
+  return restart(scene, out, "", ranks);
+}
+
+// A disk that takes no more bytes, met while the run goes on: the same message and status as if the run had waited, at
+// the latest with the next picture; what was written before can be read.
+TEST(Restart, AFullDiskBehindThePicturesStopsTheRun) {
+  const fs::path out = scratch() / "full_disk";
+  const auto stopped =
+      restart_after("full_disk", long_grains_scene(), "--set 'output.checkpoint_interval=40 ms' --until 0.045", 0,
+                    [](const fs::path& run) { fs::create_symlink("/dev/full", run / "grains" / "grains_0002.vtp"); });
+  EXPECT_EQ(stopped.status, 4) << stopped.output;
+  EXPECT_NE(stopped.output.find(
+                "cannot write " + (out / "grains" / "grains_0002.vtp").string() +
+                ": is the disk full or read-only?; last good checkpoint: " + (out / "checkpoint-0001.h5").string()),
+            std::string::npos)
+      << stopped.output;
+  EXPECT_EQ(summary(out)["status"], "failed");
+  const double end = coupling::read_history(out / "history.csv").time().back();
+  EXPECT_GE(end, 0.069);  // the picture was due at 70 ms,
+  EXPECT_LE(end, 0.091);  // the next one at 90 ms
+  EXPECT_NE(slurp(out / "grains.pvd").find("grains_0001.vtp"), std::string::npos);
+  EXPECT_EQ(slurp(out / "grains.pvd").find("grains_0002.vtp"), std::string::npos);
+}
+
+// The last picture of all: nothing comes after it that could ask.
+TEST(Restart, AFolderThatTakesNoFileStopsTheRunAtItsEnd) {
+  const fs::path out = scratch() / "full_at_end";
+  const auto stopped =
+      restart_after("full_at_end", grains_scene(), "--set 'output.checkpoint_interval=40 ms' --until 0.045", 0,
+                    [](const fs::path& run) { fs::create_directories(run / "grains" / "grains_0003.vtp" / "full"); });
+  EXPECT_EQ(stopped.status, 4) << stopped.output;
+  EXPECT_NE(stopped.output.find("cannot write " + (out / "grains" / "grains_0003.vtp").string()), std::string::npos)
+      << stopped.output;
+  EXPECT_EQ(summary(out)["status"], "failed");
+}
+
+// The bodies' pictures are written by another rank, beside its steps: all ranks stop for it.
+TEST(Restart, AFullDiskOfTheOtherRankStopsBoth) {
+  const fs::path out = scratch() / "full_bodies";
+  const auto stopped =
+      restart_after("full_bodies", coupled_scene(), "--set 'output.checkpoint_interval=4 ms' --until 0.014", 2,
+                    [](const fs::path& run) {
+                      fs::remove(run / "plate" / "plate_0002.vtu");
+                      fs::create_symlink("/dev/full", run / "plate" / "plate_0002.vtu");
+                    });
+  EXPECT_NE(stopped.status, 0) << stopped.output;  // mpirun's own
+  EXPECT_NE(stopped.output.find("cannot write " + (out / "plate" / "plate_0002.vtu").string()), std::string::npos)
+      << stopped.output;
+  EXPECT_EQ(summary(out)["status"], "failed");
+}
+
+// The disk is slow (a pipe that nobody reads yet), and the run goes on past the picture; a signal in this state ends it
+// as ever, with the picture, a checkpoint behind it and results that a restart goes on from to the bits of the whole
+// run.
+TEST(Restart, AnInterruptWhileAPictureIsBeingWritten) {
+  const fs::path scene = write_scene("slow_disk", long_grains_scene()), whole = scratch() / "slow_disk_whole";
+  const fs::path out = scratch() / "slow_disk", log = scratch() / "slow_disk.txt";
+  ASSERT_EQ(run(scene, whole, "").status, 0);
+  ASSERT_EQ(run(scene, out, "--set 'output.checkpoint_interval=40 ms' --until 0.045").status, 0);
+  const fs::path pipe = out / "grains.pvd.part";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string before = slurp(out / "grains.pvd");
+  {
+    Background life(fmt::format("run '{}' --restart '{}' --threads 1", scene.string(), out.string()), 0, log);
+    // The picture is due at 50 ms; one that was waited for would hold the run there. The next is due at 70 ms.
+    const auto reached = [&] {
+      const std::string rows = slurp(out / "history.csv");
+      const auto line = rows.rfind('\n', rows.size() - 2);
+      return line == std::string::npos ? 0 : std::atof(rows.c_str() + line + 1);
+    };
+    for (int k = 0; k < 3000 && !(reached() > 0.055 && slurp(log).find("goes on from") != std::string::npos); ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_GT(reached(), 0.055) << slurp(log);
+    EXPECT_EQ(slurp(out / "grains.pvd"), before);
+    kill(life.process(), SIGTERM);
+    const std::string piped = slurp(pipe);  // from here on the disk takes it
+    EXPECT_NE(piped.find("grains_0001.vtp"), std::string::npos) << piped;
+    const auto status = life.wait(30);
+    ASSERT_TRUE(status && WIFEXITED(*status)) << slurp(log);
+    EXPECT_EQ(WEXITSTATUS(*status), 130) << slurp(log);
+  }
+  EXPECT_NE(slurp(log).find("--restart " + (out / "checkpoint-0002.h5").string()), std::string::npos) << slurp(log);
+  EXPECT_NE(slurp(out / "grains.pvd").find("grains_0002.vtp"), std::string::npos);
+  const auto finished = restart(scene, out);
   ASSERT_EQ(finished.status, 0) << finished.output;
   expect_same_bits(whole, out);
 }

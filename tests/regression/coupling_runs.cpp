@@ -49,6 +49,12 @@ TEST(Runs, CantileverStartsNoDem) {
   EXPECT_FALSE(fs::exists(out / "grains.pvd"));
 }
 
+TEST(Runs, AGpuForASceneWithoutGrainsIsSaidToBeOfNoUse) {
+  const auto said = trackbed("check " + scene("cantilever_step.toml") + " --backend cuda");
+  EXPECT_EQ(said.status, 0) << said.output;
+  EXPECT_EQ(said.output.find("--backend cuda: the scene has no grains, so no GPU is used\n"), 0u) << said.output;
+}
+
 // Clumps: the floor carries the union of their spheres (the sum would be half as much again), and the pictures show
 // every sphere.
 TEST(Runs, StonesFallAndRestOnAPlane) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.hpp"
+#include "dem/core/list_length.hpp"
 #include "dem/dem.hpp"
 #include "tests/dem_backend.hpp"
 
@@ -143,6 +144,21 @@ TEST(DemLists, WhatASphereAndAPairTake) {
     const std::size_t ends = 2 * sizeof(int);  // of the two lists of a grain
     EXPECT_EQ(counts.bytes, 272 * 100 + ends + (ledger ? 116 * 99 + 40 * 4 : 108 * 99));
   }
+}
+
+// One more than an int counts would come out as a negative length.
+TEST(DemLists, LongerThanIndicesCountIsRefused) {
+  EXPECT_EQ(dem::list_length(2147483647), 2147483647);
+  std::string text;
+  try {
+    dem::list_length(2147483648);
+  } catch (const base::MachineError& error) {
+    text = error.what();
+  }
+  EXPECT_EQ(
+      text,
+      "a list of 2147483648 neighbours is needed, at most 2147483647 are possible on one rank; share the grains out "
+      "over more (--dem-ranks)");
 }
 
 std::string message_of(const std::function<void()>& run) {

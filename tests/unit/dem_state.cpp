@@ -1,7 +1,11 @@
 // A state that is saved and restored goes on as if nothing had happened; saving leaves no trace.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "base/error.hpp"
+#include "dem/clump.hpp"
 #include "dem/dem.hpp"
 #include "tests/dem_backend.hpp"
 
@@ -73,6 +77,86 @@ TEST(DemState, GoesOnWithOtherVectors) {
   two->advance(20, step);
   four->advance(20, step);
   EXPECT_LT(apart(*two, *four), 1e-13);
+}
+
+void expect_equal(const dem::Picture& picture, const dem::Picture& expected) {
+  ASSERT_EQ(picture.grains.size(), expected.grains.size());
+  for (std::size_t k = 0; k < picture.grains.size(); ++k) {
+    const dem::Grain &a = picture.grains[k], &b = expected.grains[k];
+    EXPECT_EQ(a.id, b.id);
+    EXPECT_EQ(a.shape, b.shape);
+    EXPECT_EQ(a.radius, b.radius);
+    EXPECT_EQ(norm(a.position - b.position) + norm(a.velocity - b.velocity), 0);
+    EXPECT_EQ(norm(a.angular_velocity - b.angular_velocity), 0);
+    EXPECT_EQ(a.orientation.w, b.orientation.w);
+  }
+  ASSERT_EQ(picture.grain_contacts.size(), expected.grain_contacts.size());
+  for (std::size_t k = 0; k < picture.grain_contacts.size(); ++k) {
+    const dem::GrainContact &a = picture.grain_contacts[k], &b = expected.grain_contacts[k];
+    EXPECT_EQ(a.id_i, b.id_i);
+    EXPECT_EQ(a.id_j, b.id_j);
+    EXPECT_EQ(norm(a.force - b.force) + norm(a.position_j - b.position_j) + norm(a.period - b.period), 0);
+  }
+  ASSERT_EQ(picture.wall_contacts.size(), expected.wall_contacts.size());
+  for (std::size_t k = 0; k < picture.wall_contacts.size(); ++k) {
+    const dem::WallContact &a = picture.wall_contacts[k], &b = expected.wall_contacts[k];
+    EXPECT_EQ(a.id, b.id);
+    EXPECT_EQ(a.wall, b.wall);
+    EXPECT_EQ(norm(a.force - b.force) + norm(a.point - b.point), 0);
+  }
+}
+
+// What is asked for is of that instant, whenever it is fetched: rows that were read later would have moved on, lists
+// been made anew. Two pictures may be asked for before either is fetched, and one after both.
+TEST(DemState, PicturesAndStatesAreOfTheInstantOfAsking) {
+  for (const auto& [lanes, precision] : std::vector<std::pair<int, dem::Precision>>{
+           {0, dem::Precision::full}, {1, dem::Precision::full}, {1, dem::Precision::mixed}}) {
+    dem::Setup setup;
+    setup.materials = {{"stone", 1e7, 0.25, 2500}};
+    setup.interactions = {{.friction = 0.5, .restitution = 0.7}};
+    setup.gravity = {0, 0, -9.81};
+    setup.lanes = lanes;
+    setup.precision = precision;
+    setup.periods[0] = {0, 0.16};
+    const auto sim = dem_test::create(setup);
+    sim->add_plane({{0, 0, 0}, {0, 0, 1}}, 0);
+    sim->add_shape(dem::make_clump(std::vector<dem::Sphere>{{{-0.4, 0, 0}, 0.6}, {{0.4, 0, 0}, 0.6}}));
+    std::vector<dem::Grain> grains;
+    for (int k = 0; k < 48; ++k)
+      grains.push_back({.position = {0.04 * (k % 4) + 0.002, 0.042 * (k / 4 % 4), 0.021 + 0.041 * (k / 16)},
+                        .radius = 0.02,
+                        .velocity = {0.2 * (k % 3), -0.1 * (k % 2), -0.5},
+                        .id = 3 * k,
+                        .shape = k % 3 ? -1 : 0});
+    sim->add_grains(grains);
+    sim->advance(40, step);  // the lowest ones press on the floor
+    const auto now = [&] { return dem::Picture{sim->grains(), sim->grain_contacts(), sim->wall_contacts()}; };
+    const dem::Picture first = now();
+    ASSERT_GT(first.grain_contacts.size(), 10u);
+    ASSERT_GT(first.wall_contacts.size(), 5u);
+    EXPECT_TRUE(std::any_of(first.grain_contacts.begin(), first.grain_contacts.end(),
+                            [](const dem::GrainContact& contact) { return norm(contact.period) > 0; }));
+    const base::Columns state = sim->save();
+    auto first_later = sim->picture();
+    auto state_later = sim->saved();
+    const auto before = sim->counts().rebuilds;
+    sim->advance(300, step);
+    EXPECT_GT(sim->counts().rebuilds, before);
+    const dem::Picture second = now();
+    auto second_later = sim->picture();
+    sim->advance(100, step);
+    expect_equal(second_later(), second);
+    expect_equal(first_later(), first);
+    EXPECT_EQ(state_later(), state);
+    first_later = second_later = nullptr;
+    const dem::Picture third = now();
+    auto third_later = sim->picture();
+    sim->advance(100, step);
+    expect_equal(third_later(), third);
+    sim->remove_grains(std::vector<std::int64_t>{0});  // its contacts are not known until the next step
+    EXPECT_TRUE(sim->picture()().grain_contacts.empty());
+    EXPECT_EQ(sim->picture()().grains.size(), third.grains.size() - 1);
+  }
 }
 
 TEST(DemState, WhatDoesNotFitIsRefused) {
