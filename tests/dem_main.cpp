@@ -12,7 +12,7 @@
 
 namespace {
 
-/// Tests that a GPU has no part in, and why.
+/// Tests that a GPU, or its way of taking contacts, has no part in, and why.
 struct ProcessorOnly {
   std::string_view test, reason;
 };
@@ -29,7 +29,7 @@ class SkipProcessorOnly final : public testing::EmptyTestEventListener {
   void OnTestStart(const testing::TestInfo& test) override {
     const std::string name = std::string(test.test_suite_name()) + "." + test.name();
     for (const ProcessorOnly& row : processor_only)
-      if (row.test == name) GTEST_SKIP() << "for processors: " << row.reason;
+      if (row.test == name) GTEST_SKIP() << "for the processor's own way: " << row.reason;
   }
 };
 
@@ -47,22 +47,30 @@ int look_for_device() {
 
 }  // namespace
 
-dem::Backend dem_test::backend() {
+namespace {
+
+const std::string& wanted() {
   static const std::string name = [] {
     const char* set = std::getenv("TRACKBED_TEST_BACKEND");
     return std::string(set && *set ? set : "omp");
   }();
-  base::require_user(name == "omp" || name == "cuda",
-                     "TRACKBED_TEST_BACKEND=" + name + ": must be omp or cuda; not set, it is omp");
-  return name == "cuda" ? dem::Backend::cuda : dem::Backend::omp;
+  base::require_user(name == "omp" || name == "one_by_one" || name == "cuda",
+                     "TRACKBED_TEST_BACKEND=" + name + ": must be omp, one_by_one or cuda; not set, it is omp");
+  return name;
 }
+
+}  // namespace
+
+dem::Backend dem_test::backend() { return wanted() == "cuda" ? dem::Backend::cuda : dem::Backend::omp; }
+bool dem_test::one_by_one() { return wanted() == "one_by_one"; }
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   if (!testing::GTEST_FLAG(list_tests)) {
     if (const int status = look_for_device()) return status;
-    if (dem_test::backend() == dem::Backend::cuda) {
-      std::printf("TRACKBED_TEST_BACKEND=cuda: simulations run on the GPU\n");
+    if (dem_test::backend() == dem::Backend::cuda || dem_test::one_by_one()) {
+      std::printf("TRACKBED_TEST_BACKEND: simulations run %s\n",
+                  dem_test::one_by_one() ? "on the processor, contacts one by one as on a GPU" : "on the GPU");
       testing::UnitTest::GetInstance()->listeners().Append(new SkipProcessorOnly);
     }
   }

@@ -2,12 +2,16 @@
 # All that a GPU is needed for, in one go, and docs/gpu.md of what it found: the tests of the grains on CUDA, CUDA against
 # the processor, compute-sanitizer, benchmarks, one coupled run. Needs no network. Where libraries are missing the grains
 # alone are built. A step that fails or runs out of time is a line of the table.
-#   ./trackbed gpu-check [--minutes N]   stops starting steps after N (8) minutes, the build included; writes docs/gpu.md; exit status 0: all passed, 1: some step did not, 2: no GPU to use
+#   ./trackbed gpu-check [--minutes N]   stops starting steps after N (8) minutes, the build included; writes docs/gpu.md;
+#                                        exit status 0: all passed, 1: some step did not, 2: no GPU to use
 #   ./trackbed gpu-check --rehearse      the same steps on the processor, small; writes build/rehearsal/check/gpu.md
+#   ./trackbed gpu-check --help          this
 # GOOGLETEST=FOLDER: GoogleTest's source, where the library is not installed.
 set -euo pipefail
 
 root=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
+# shellcheck source=gpu_check_parts.sh
+. "$root/tests/gpu_check_parts.sh"
 say() { printf 'gpu-check: %s\n' "$*" >&2; }
 refuse() {
   say "$1"
@@ -31,7 +35,11 @@ while (($#)); do
       minutes=$2
       shift
       ;;
-    *) refuse "$1: no such option; only --minutes and --rehearse" ;;
+    -h | --help)
+      sed -n '2,/^set/{ /^set/d; s/^# \{0,1\}//; p }' "${BASH_SOURCE[0]}"
+      exit 0
+      ;;
+    *) refuse "$1: no such option; --help names them" ;;
   esac
   shift
 done
@@ -137,7 +145,6 @@ fi
 
 # ---- tests: in shards, since most simulate a few grains for many steps and wait for the GPU's answer
 export TRACKBED_TEST_BACKEND=$backend OMP_WAIT_POLICY=passive
-count() { { grep -h -c "$1" "${@:2}" || true; } | awk '{ n += $1 } END { print n + 0 }'; }
 run_tests() { # STEP PROGRAM FILTER SHARDS SECONDS
   local step=$1 program=$2 filter=$3 shards=$4 limit shard pids=() all passed skipped wrong
   limit=$(seconds "$5")
@@ -165,22 +172,22 @@ run_tests() { # STEP PROGRAM FILTER SHARDS SECONDS
   fi
   if ((wrong == 0 && left == 0 && passed > 0)); then note "$step" "$text" "$SECONDS"; else lack "$step" "$text" "$SECONDS"; fi
 }
-parity='OneByOne.*:Gpu.*'
+again='*.TheSameAgainToTheLastBit' # a rerun is bit-identical
+parity="OneByOne.*:Gpu.*-$again"
 
-# ---- sanitizers, on quick scenes: a small bed, and ten steps of every law, of clumps, bonds, periods and facets
+# ---- sanitizers: on a small bed and on ten steps of every law, of clumps, bonds, periods and facets; then on the quick
+# scenes, whose packings are made before without them
 sanitizer=$(PATH=$PATH:/usr/local/cuda/bin:$(dirname -- "${nvcc:-.}") command -v compute-sanitizer || true)
-sanitize() { # TOOL
-  local tool=$1 status=0 limit summary scenes=("$benchmark --backend cuda --small --shape clump3 --grains 200 --precision mixed")
-  if ((${#tests[@]})); then
-    scenes+=("$bin/parallel_dem --gtest_filter=Gpu.ClumpsPeriodsAndBondsStepByStep:Gpu.MixedPrecision")
-  fi
+sanitize() { # STEP TOOL COMMAND…, each in one word
+  local step=$1 tool=$2 status=0 limit summary scene log words
+  log=$logs/${step//[ ,]/_}.log
   [[ -n $sanitizer ]] || {
-    lack "$tool" "not run: compute-sanitizer is not installed" 0
+    lack "$step" "not run: compute-sanitizer is not installed" 0
     return
   }
   SECONDS=0
-  local scene words
-  for scene in "${scenes[@]}"; do
+  : >"$log"
+  for scene in "${@:3}"; do
     limit=$(seconds 60)
     ((status == 0)) || break
     if ((limit < 5)); then
@@ -188,15 +195,41 @@ sanitize() { # TOOL
       break
     fi
     read -ra words <<<"$scene"
-    timeout "$limit" "$sanitizer" --tool "$tool" --error-exitcode 9 "${words[@]}" >>"$logs/$tool.log" 2>&1 || status=$?
+    timeout "$limit" "$sanitizer" --tool "$tool" --error-exitcode 9 "${words[@]}" >>"$log" 2>&1 || status=$?
   done
-  touch "$logs/$tool.log"
-  summary=$(grep -E 'ERROR SUMMARY|RACECHECK SUMMARY' "$logs/$tool.log" | sed 's/^=* *//' | tr '\n' ';' || true)
+  summary=$(sanitizer_summary "$log")
   case $status in
-    0) note "$tool" "clean: ${summary:-no summary}" "$SECONDS" ;;
-    124) lack "$tool" "not finished in time; so far ${summary:-nothing reported}" "$SECONDS" ;;
-    *) lack "$tool" "status $status; ${summary:-$(tail -n 1 "$logs/$tool.log")}" "$SECONDS" ;;
+    0) note "$step" "clean: ${summary:-no summary}" "$SECONDS" ;;
+    124) lack "$step" "not finished in time; so far ${summary:-nothing reported}" "$SECONDS" ;;
+    *) lack "$step" "status $status; ${summary:-$(tail -n 1 "$log")}" "$SECONDS" ;;
   esac
+}
+sanitize_beds() { # TOOL
+  local commands=("$benchmark --backend cuda --small --shape clump3 --grains 200 --precision mixed")
+  if ((${#tests[@]})); then
+    commands+=("$bin/parallel_dem --gtest_filter=Gpu.ClumpsPeriodsAndBondsStepByStep:Gpu.MixedPrecision")
+  fi
+  sanitize "$1" "$1" "${commands[@]}"
+}
+sanitize_scenes() { # TOOL: each scene from its packing to a millisecond of its first stage
+  local step="$1, quick scenes" scene run words commands=() unpacked=() limit
+  if ((!coupled)); then
+    lack "$step" "not run: needs the whole of Trackbed" 0
+    return
+  fi
+  export TRACKBED_CACHE=$logs/cache
+  while read -r scene; do
+    run="$bin/trackbed run $scene --backend cuda --until 0.001 --overwrite --out $logs/scene_$(basename -- "$scene" .toml)"
+    limit=$(seconds 60)
+    read -ra words <<<"$run"
+    if ((limit < 5)) || ! timeout "$limit" "${words[@]}" </dev/null >>"$logs/packings.log" 2>&1; then
+      unpacked+=("$(basename -- "$scene" .toml)")
+    else
+      commands+=("$run")
+    fi
+  done < <(scenes_with_grains "$root/configs/quick")
+  if ((${#unpacked[@]})); then lack "$step: ${unpacked[*]}" "not run: no packing in time; $(tail -n 1 "$logs/packings.log" 2>/dev/null)" 0; fi
+  if ((${#commands[@]})); then sanitize "$step" "$1" "${commands[@]}"; fi
 }
 
 # ---- speed
@@ -219,7 +252,7 @@ measure() {
 
 # ---- coupled: the quick sleeper on stones of ten spheres
 couple() {
-  local limit share
+  local limit
   if [[ $backend == omp ]]; then
     note "one sleeper on clumps, coupled" "not rehearsed: needs the whole of Trackbed" 0
     return
@@ -241,8 +274,7 @@ shapes = ["stone1"]
 END
   if timeout "$limit" "$bin/trackbed" run "$logs/sleeper_clumps.toml" --backend cuda --out "$logs/sleeper" --overwrite \
     >"$logs/sleeper.log" 2>&1; then
-    share=$(tr -d ' \n' <"$logs/sleeper/summary.json" | sed -n 's/.*"wall_share":{\([^}]*\)}.*/\1/p' | tr -d '"')
-    note "one sleeper on clumps, coupled, 1 process" "shares of the wall time: ${share//,/, }" "$SECONDS"
+    note "one sleeper on clumps, coupled, 1 process" "shares of the wall time: $(wall_shares "$logs/sleeper/summary.json")" "$SECONDS"
   else
     lack "one sleeper on clumps, coupled" "stopped: $(tail -n 1 "$logs/sleeper.log")" "$SECONDS"
   fi
@@ -250,16 +282,20 @@ END
 
 # ---- what matters most comes first
 touch "$logs/benchmark.log"
-((${#tests[@]})) && run_tests parity parallel_dem "$parity" 2 90
+if ((${#tests[@]})); then
+  run_tests parity parallel_dem "$parity" 2 90
+  run_tests rerun parallel_dem "$again" 1 60
+fi
 measure
-[[ $backend == cuda ]] && sanitize memcheck
+[[ $backend == cuda ]] && sanitize_beds memcheck
+couple
 if ((${#tests[@]})); then
   run_tests unit unit_dem '*' 4 60
   run_tests verification verification_dem '*' 4 120
 fi
-[[ $backend == cuda ]] && sanitize racecheck && sanitize initcheck
-((${#tests[@]})) && run_tests parallel parallel_dem "-$parity" 2 60
-couple
+[[ $backend == cuda ]] && sanitize_beds racecheck && sanitize_beds initcheck
+((${#tests[@]})) && run_tests parallel parallel_dem "-OneByOne.*:Gpu.*" 2 60
+[[ $backend == cuda ]] && sanitize_scenes memcheck && sanitize_scenes racecheck && sanitize_scenes initcheck
 
 # ---- the page
 # shellcheck disable=SC2016  # backquotes are of the page
@@ -280,6 +316,10 @@ cuda=$([[ -n $nvcc ]] && "$nvcc" --version | sed -n 's/.*release \([0-9.]*\).*/\
   printf '%s\n' "${results[@]}"
   printf '\n## Beds\n\nSettings, beds and the floor: head of `tests/benchmarks/dem_gpu.cpp`. No energy ledger.\n\n'
   cat "$logs/benchmark.log"
+  if ! grep -q '^### Targets' "$logs/benchmark.log"; then
+    printf '\n### Targets, of an H100\n\n| bed | target | measured | verdict |\n|---|---|---|---|\n'
+  fi
+  exchange_row "$logs/sleeper/summary.json"
 } >"$page.new"
 mv "$page.new" "$page"
 say "written: $page"

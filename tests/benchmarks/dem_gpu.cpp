@@ -10,9 +10,10 @@
 // that cell over and over, with walls around, and has rested again for 1000 steps. Their mean number of neighbours in
 // contact is in the table.
 //
-// Floor: what one step must move if every row of a grain and every column of a pair that it needs comes from memory
-// once, and goes there once if it changes (step_bytes()), at the bandwidth that a copy reaches on the same device (the
-// triad a = b + s c on the processor). Its share of the time measured is 100 % for a step that does nothing else.
+// Floor: what one step must move (step_bytes() in gpu_report.hpp), at the bandwidth that a copy reaches on the same
+// device (the triad a = b + s c on the processor). Its share of the time measured is 100 % for a step that does nothing
+// else; by kernel where the build has CUPTI. Memory of the device: how much less is free of it than before the
+// simulation was made, with all that driver and pools take.
 #include <omp.h>
 
 #include <chrono>
@@ -21,6 +22,7 @@
 #include <optional>
 
 #include "tests/benchmarks/bed.hpp"
+#include "tests/benchmarks/gpu_report.hpp"
 #if defined(TRACKBED_WITH_CUDA)
 #include "tests/benchmarks/device.hpp"
 #endif
@@ -108,21 +110,15 @@ Bed repeat(const Bed& cell, int grains) {
   return bed;
 }
 
-/// [B] that one step must read and write, counted as docs/performance.md does for spheres in double: a row comes from
-/// memory once per kernel, one that is written in part is read too.
-double step_bytes(const dem::Counts& counts, dem::Precision precision, bool clumps) {
-  const double real = precision == dem::Precision::mixed ? 4 : 8;
-  const double place = 32, quads = 64, index = 4, vector = 24, quaternion = 32, sector = 32;
-  const double pairs = static_cast<double>(counts.candidate_pairs), contacts = static_cast<double>(counts.contacts);
-  const double spheres = static_cast<double>(counts.spheres), grains = static_cast<double>(counts.grains);
-  const double law = (place + quads) * spheres + 2 * index * pairs + sector * (pairs - contacts) +
-                     real * (2 * 4 + 8) * contacts;  // histories there and back, results there
-  const double gather = (8 * real + index) * pairs + 3 * index * spheres;
-  const double moved = 2 * place + 2 * quads + vector;  // of a sphere: place, velocity that contacts see, place listed
-  const double step =
-      clumps ? (2 * place + 2 * quads + 2 * quaternion + vector + index) * grains + (moved + vector) * spheres
-             : (moved + 2 * quads) * spheres;
-  return law + gather + step;
+StepContents contents_of(const dem::Counts& counts, const Case& c, bool clumps) {
+  return {.grains = static_cast<double>(counts.grains),
+          .spheres = static_cast<double>(counts.spheres),
+          .pairs = static_cast<double>(counts.candidate_pairs),
+          .contacts = static_cast<double>(counts.contacts),
+          .wall_candidates = static_cast<double>(counts.wall_candidates),
+          .wall_contacts = static_cast<double>(counts.wall_contacts),
+          .clumps = clumps,
+          .mixed = c.precision == dem::Precision::mixed};
 }
 
 double seconds_of(const std::function<void()>& work) {
@@ -151,10 +147,37 @@ struct Options {
   std::optional<Case> only;
 };
 
-void print_row(const Case& c, const Bed& bed, const Options& options, double bandwidth) {
+/// [B] of the device's memory that is taken; none on the processor.
+std::optional<double> memory_in_use([[maybe_unused]] const Options& options) {
+#if defined(TRACKBED_WITH_CUDA)
+  if (options.backend == dem::Backend::cuda) return device_memory_in_use();
+#endif
+  return {};
+}
+
+/// Of all kernels while this is done; none on the processor.
+std::vector<KernelTime> times_of_kernels([[maybe_unused]] const Options& options,
+                                         [[maybe_unused]] const std::function<void()>& work) {
+#if defined(TRACKBED_WITH_CUDA)
+  if (options.backend == dem::Backend::cuda) return kernel_times(work);
+#endif
+  return {};
+}
+
+/// What is said when all beds are done.
+struct Report {
+  std::vector<Measured> beds;
+  std::string kernels;
+};
+
+void print_row(const Case& c, const Bed& bed, const Options& options, double bandwidth, Report& report) {
   dem::Setup setup = setup_of(false);
   setup.precision = c.precision;
   setup.lanes = 1;
+#if defined(TRACKBED_WITH_CUDA)
+  if (options.backend == dem::Backend::cuda) give_back_pooled_memory();
+#endif
+  const std::optional<double> memory_before = memory_in_use(options);
   const auto simulation = dem::Simulation::create(setup, options.backend);
   put_into(*simulation, bed);
   simulation->set_grain_damping(50);
@@ -166,14 +189,28 @@ void print_row(const Case& c, const Bed& bed, const Options& options, double ban
   for (int turn = 0; turn < 3; ++turn) turns.push_back(time_of(steps));
   std::sort(turns.begin(), turns.end());
   const double step = turns[1];
+  const std::optional<double> memory_after = memory_in_use(options);
+  constexpr int profiled_steps = 100;
+  const auto times = times_of_kernels(options, [&] { simulation->advance(profiled_steps, time_step); });
   const dem::Counts counts = simulation->counts();
-  const double bytes = step_bytes(counts, c.precision, !bed.shapes.empty());
-  const double spheres = static_cast<double>(counts.spheres), grains = static_cast<double>(counts.grains);
-  std::printf("| %.0f %s, %s | %.4g | %.4g | %.4g | %.3f | %.1f | %.0f | %.0f %% |\n", grains, c.shape->text.c_str(),
-              c.precision == dem::Precision::mixed ? "mixed" : "double", 1e3 * step, 1e-6 * grains / step,
-              1e-6 * spheres / step, 1e-3 * static_cast<double>(counts.bytes) / spheres,
-              2 * static_cast<double>(counts.contacts) / grains, bytes / spheres, 100 * bytes / bandwidth / step);
+  const StepContents contents = contents_of(counts, c, !bed.shapes.empty());
+  const StepBytes bytes = step_bytes(contents);
+  const double spheres = contents.spheres, grains = contents.grains;
+  Measured measured{text("%d %s, %s", c.grains, c.shape->text.c_str(), contents.mixed ? "mixed" : "double"),
+                    step,
+                    grains,
+                    spheres,
+                    {}};
+  if (memory_before) measured.memory = *memory_after - *memory_before;
+  std::printf("| %s | %.4g | %.4g | %.4g | %.3f | %s | %.1f | %.2f | %.0f | %.0f %% |\n", measured.bed.c_str(),
+              1e3 * step, 1e-6 * grains / step, 1e-6 * spheres / step,
+              1e-3 * static_cast<double>(counts.bytes) / spheres,
+              measured.memory ? text("%.3f", 1e-3 * *measured.memory / spheres).c_str() : "–",
+              2 * static_cast<double>(counts.contacts) / grains, contents.pairs / spheres, bytes.total() / spheres,
+              100 * bytes.total() / bandwidth / step);
   std::fflush(stdout);
+  report.kernels += kernel_rows(measured.bed, bytes, spheres, bandwidth, times, profiled_steps);
+  report.beds.push_back(std::move(measured));
 }
 
 void print_machine([[maybe_unused]] const Options& options, double bandwidth) {
@@ -211,15 +248,24 @@ void run(const Options& options) {
   const double bandwidth = bandwidth_of(options);
   print_machine(options, bandwidth);
   std::printf(
-      "| bed | ms/step | M grain-steps/s | M sphere-steps/s | GB per M spheres | contacts per grain "
-      "| B per sphere and step | share of the floor |\n|---|---|---|---|---|---|---|---|\n");
+      "| bed | ms/step | M grain-steps/s | M sphere-steps/s | GB per M spheres, counted | GB per M spheres, of the "
+      "device "
+      "| contacts per grain | candidates per sphere | B per sphere and step | share of the floor |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n");
+  Report report;
   const Shape* made = nullptr;
   Bed cell;
   for (const Case& c : cases) {
     if (c.shape != made) cell = settled_cell(*c.shape, options.small);
     made = c.shape;
-    print_row(c, repeat(cell, options.small && !options.only ? c.grains / 100 : c.grains), options, bandwidth);
+    Case sized = c;
+    if (options.small && !options.only) sized.grains /= 100;
+    print_row(sized, repeat(cell, sized.grains), options, bandwidth, report);
   }
+  std::printf("\n### Kernels\n\n%s%s", kernel_head(), report.kernels.c_str());
+  const bool on_device = options.backend == dem::Backend::cuda && !options.small;
+  if (!options.only)
+    std::printf("\n### Targets, of an H100\n\n%s", verdicts(on_device ? report.beds : std::vector<Measured>()).c_str());
 }
 
 Options options_of(int argc, char** argv) {

@@ -1,0 +1,23 @@
+# Proof that the check of the machine code can fail: a stand-in for cuobjdump lists what a binary would have.
+#   cmake -DROOT=SCRATCH -DCHECK=check_machine_code.cmake -P check_machine_code_planted.cmake
+file(MAKE_DIRECTORY ${ROOT})
+function(expect elf ptx wanted)
+  file(WRITE ${ROOT}/cuobjdump "#!/bin/sh\n[ $1 = --list-elf ] && echo '${elf}' || echo '${ptx}'\n")
+  file(CHMOD ${ROOT}/cuobjdump PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+  execute_process(COMMAND ${CMAKE_COMMAND} -DTOOL=${ROOT}/cuobjdump -DBINARY=dem -DARCHITECTURES=80,90 -P ${CHECK}
+    ERROR_VARIABLE said RESULT_VARIABLE result)
+  string(REGEX REPLACE "[ \n]+" " " said "${said}")
+  if((wanted STREQUAL "" AND NOT result EQUAL 0) OR (NOT wanted STREQUAL "" AND NOT said MATCHES "${wanted}"))
+    message(FATAL_ERROR "of `${elf}` and `${ptx}` the check said: ${said}")
+  endif()
+endfunction()
+set(both "ELF file 1: a.1.sm_80.cubin ELF file 2: a.2.sm_90.cubin")
+set(portable "PTX file 1: a.1.sm_80.ptx")
+expect("${both}" "${portable}" "")
+expect("ELF file 1: a.1.sm_80.cubin ELF file 2: a.2.sm_900.cubin" "${portable}" "dem lacks machine code for sm_90;")
+expect("" "${portable}" "lacks machine code for sm_80, machine code for sm_90;")
+expect("${both}" "" "dem lacks PTX;")
+execute_process(COMMAND ${CMAKE_COMMAND} -P ${CHECK} ERROR_VARIABLE said RESULT_VARIABLE result)
+if(NOT result EQUAL 0 OR NOT said MATCHES "skipped: ")
+  message(FATAL_ERROR "without a tool the check said: ${said}")
+endif()
