@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <mpi.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -30,6 +31,17 @@ struct Arguments {
   std::vector<std::string> settings;
   std::string out, until, folder, family;
 };
+
+/// OpenMP reads how long threads watch for work before they sleep, the C library whether to ask for large pages, when
+/// the program starts (docs/performance.md has what both give). A run says it, unless the environment does
+/// (OMP_WAIT_POLICY), and starts once more; where that is not possible it goes on as it is.
+void start_with_environment(int argc, char** argv) {
+  if (argc < 2 || std::string(argv[1]) != "run" || std::getenv("OMP_WAIT_POLICY")) return;
+  setenv("OMP_WAIT_POLICY", "passive", 1);
+  setenv("GOMP_SPINCOUNT", "4000", 0);
+  setenv("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1", 0);
+  execv("/proc/self/exe", argv);
+}
 
 /// MPI lives as long as this object.
 class MpiSession {
@@ -123,6 +135,7 @@ int list(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  start_with_environment(argc, argv);
   // VTK's threads find 0 or -0 the smallest of a range by chance. (Its header of SetBackend is not C++20.)
   setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 1);
   spdlog::set_pattern("%v");  // until a run opens its own log

@@ -10,9 +10,11 @@
 // B, so early, they follow the damping, which differs by law: LAMMPS' tsuji damps less, ours, which returns e without
 // attraction, damps more than LIGGGHTS'. The undamped forces of the first step are those of LIGGGHTS; against walls
 // this LAMMPS pushes 1.2 times as hard (1 + nu).
-// Threads that wait do so asleep, after some 20 us of watching (OMP_WAIT_POLICY=passive, GOMP_SPINCOUNT=1000,
+// Threads that wait do so asleep, after some 80 us of watching (OMP_WAIT_POLICY=passive, GOMP_SPINCOUNT=4000,
 // unless set), as with ./trackbed: waiting in a loop on a machine that others use as well makes two threads ten times
-// as slow, sleeping at once a tenth slower on a machine of their own.
+// as slow, sleeping at once a tenth slower on a machine of their own. Likewise its memory comes in large pages where
+// the system gives them to who asks (GLIBC_TUNABLES=glibc.malloc.hugetlb=1). The other codes start as their users start
+// them, which is without, unless the system gives such pages to all.
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -214,7 +216,8 @@ int main(int argc, char** argv) try {
   const Options options = read(argc, argv);
   if (!std::getenv("OMP_WAIT_POLICY")) {  // the library reads it when a program starts
     setenv("OMP_WAIT_POLICY", "passive", 1);
-    setenv("GOMP_SPINCOUNT", "1000", 0);
+    setenv("GOMP_SPINCOUNT", "4000", 0);
+    setenv("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1", 0);
     execv("/proc/self/exe", argv);
   }
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
