@@ -1,6 +1,8 @@
 #include "coupling/background_writer.hpp"
 
 #include <algorithm>
+#include <string>
+#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
@@ -37,6 +39,12 @@ void BackgroundWriter::check() {
 
 void BackgroundWriter::start(Kind kind, std::function<void()> write) {
   check();
+  try {
+    if (!thread_.joinable()) thread_ = std::thread([this] { serve(); });
+  } catch (const std::system_error& error) {
+    throw base::MachineError(std::string("no thread can be started that writes files: ") + error.what() +
+                             "; raise the limit on processes");
+  }
   {
     const std::lock_guard lock(guard_);
     base::require_internal(!busy_[kind], "a file is handed over while another one of its kind is being written");
@@ -44,7 +52,6 @@ void BackgroundWriter::start(Kind kind, std::function<void()> write) {
     waiting_.push_back({kind, std::move(write)});
   }
   news_.notify_all();
-  if (!thread_.joinable()) thread_ = std::thread([this] { serve(); });
 }
 
 void BackgroundWriter::serve() {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -37,10 +38,14 @@ struct Arguments {
 /// (OMP_WAIT_POLICY), and starts once more; where that is not possible it goes on as it is.
 void start_with_environment(int argc, char** argv) {
   if (argc < 2 || std::string(argv[1]) != "run" || std::getenv("OMP_WAIT_POLICY")) return;
+  std::error_code unknown;
+  // By its own name, which others look for. Where the dynamic loader was called by hand, it is the loader's.
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+  if (unknown || program.filename().string().starts_with("ld-")) return;
   setenv("OMP_WAIT_POLICY", "passive", 1);
   setenv("GOMP_SPINCOUNT", "4000", 0);
   setenv("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1", 0);
-  execv("/proc/self/exe", argv);
+  execv(program.c_str(), argv);
 }
 
 /// MPI lives as long as this object.

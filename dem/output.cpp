@@ -111,10 +111,15 @@ void write_file(const fs::path& file, vtkPolyData* data) {
   quiet->SetCallback([](vtkObject*, unsigned long, void*, void*) {});
   writer->AddObserver(vtkCommand::ErrorEvent, quiet);
   writer->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, quiet);
-  writer->SetFileName(file.c_str());
+  // A collection that is on the disk may name this file already, of a run that this one goes on from.
+  const std::string temporary = file.string() + ".part";
+  writer->SetFileName(temporary.c_str());
   writer->SetInputData(data);
   const bool written = writer->Write() != 0 && writer->GetErrorCode() == 0;
-  if (!written) throw base::MachineError("cannot write " + file.string() + ": is the disk full or read-only?");
+  std::error_code failure;
+  if (written) fs::rename(temporary, file, failure);
+  if (!written || failure)
+    throw base::MachineError("cannot write " + file.string() + ": is the disk full or read-only?");
 }
 
 }  // namespace

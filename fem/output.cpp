@@ -173,11 +173,15 @@ struct Output::Impl {
   void write_file(const Grid& grid, const Place& place) const {
     std::error_code failure;
     std::filesystem::create_directories(place.file.parent_path(), failure);
+    // A collection that is on the disk may name this file already, of a run that this one goes on from.
+    const auto temporary = place.file.string() + ".part";
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    writer->SetFileName(place.file.c_str());
+    writer->SetFileName(temporary.c_str());
     writer->SetInputData(grid);
     const bool written = !failure && writer->Write() == 1 && writer->GetErrorCode() == 0;
-    if (!written) throw base::MachineError("cannot write " + place.file.string() + ": is the disk full or read-only?");
+    if (written) std::filesystem::rename(temporary, place.file, failure);
+    if (!written || failure)
+      throw base::MachineError("cannot write " + place.file.string() + ": is the disk full or read-only?");
     place.collection.write(place.collection_text);
   }
 

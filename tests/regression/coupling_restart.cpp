@@ -269,9 +269,9 @@ Finished restart_after(const std::string& name, const std::string& text, const s
 // the latest with the next picture; what was written before can be read.
 TEST(Restart, AFullDiskBehindThePicturesStopsTheRun) {
   const fs::path out = scratch() / "full_disk";
-  const auto stopped =
-      restart_after("full_disk", long_grains_scene(), "--set 'output.checkpoint_interval=40 ms' --until 0.045", 0,
-                    [](const fs::path& run) { fs::create_symlink("/dev/full", run / "grains" / "grains_0002.vtp"); });
+  const auto stopped = restart_after(
+      "full_disk", long_grains_scene(), "--set 'output.checkpoint_interval=40 ms' --until 0.045", 0,
+      [](const fs::path& run) { fs::create_symlink("/dev/full", run / "grains" / "grains_0002.vtp.part"); });
   EXPECT_EQ(stopped.status, 4) << stopped.output;
   EXPECT_NE(stopped.output.find(
                 "cannot write " + (out / "grains" / "grains_0002.vtp").string() +
@@ -301,12 +301,9 @@ TEST(Restart, AFolderThatTakesNoFileStopsTheRunAtItsEnd) {
 // The bodies' pictures are written by another rank, beside its steps: all ranks stop for it.
 TEST(Restart, AFullDiskOfTheOtherRankStopsBoth) {
   const fs::path out = scratch() / "full_bodies";
-  const auto stopped =
-      restart_after("full_bodies", coupled_scene(), "--set 'output.checkpoint_interval=4 ms' --until 0.014", 2,
-                    [](const fs::path& run) {
-                      fs::remove(run / "plate" / "plate_0002.vtu");
-                      fs::create_symlink("/dev/full", run / "plate" / "plate_0002.vtu");
-                    });
+  const auto stopped = restart_after(
+      "full_bodies", coupled_scene(), "--set 'output.checkpoint_interval=4 ms' --until 0.014", 2,
+      [](const fs::path& run) { fs::create_symlink("/dev/full", run / "plate" / "plate_0002.vtu.part"); });
   EXPECT_NE(stopped.status, 0) << stopped.output;  // mpirun's own
   EXPECT_NE(stopped.output.find("cannot write " + (out / "plate" / "plate_0002.vtu").string()), std::string::npos)
       << stopped.output;

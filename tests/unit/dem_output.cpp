@@ -145,7 +145,7 @@ std::string machine_error(const std::function<void()>& act) {
 TEST_F(DemOutput, DiskFailureNamesTheFile) {
   const std::vector<dem::Grain> grains = {grain(0, {})};
   dem::Writer writer(folder, grains);
-  fs::create_symlink("/dev/full", folder / "grains/grains_0000.vtp");
+  fs::create_symlink("/dev/full", folder / "grains/grains_0000.vtp.part");
   EXPECT_NE(machine_error([&] { writer.write(0, grains, {}, {}); }).find("grains_0000.vtp"), std::string::npos);
 
   std::ofstream(folder / "contacts") << "a file where the folder should be";
