@@ -142,11 +142,14 @@ std::string machine_error(const std::function<void()>& act) {
 }
 
 // A disk without room (/dev/full takes no byte) and a folder that cannot be made: exit 4, with the name of the file.
+// What had this name before, as in a run that is gone on from, is still whole.
 TEST_F(DemOutput, DiskFailureNamesTheFile) {
   const std::vector<dem::Grain> grains = {grain(0, {})};
   dem::Writer writer(folder, grains);
+  std::ofstream(folder / "grains/grains_0000.vtp") << "of an earlier life";
   fs::create_symlink("/dev/full", folder / "grains/grains_0000.vtp.part");
   EXPECT_NE(machine_error([&] { writer.write(0, grains, {}, {}); }).find("grains_0000.vtp"), std::string::npos);
+  EXPECT_EQ(fs::file_size(folder / "grains/grains_0000.vtp"), 18u);
 
   std::ofstream(folder / "contacts") << "a file where the folder should be";
   EXPECT_NE(machine_error([&] { writer.write_contacts(0, {}, {}); }).find("contacts"), std::string::npos);
