@@ -100,23 +100,28 @@ inline Bed sphere_bed(const std::string& csv) {
   return bed;
 }
 
+/// Clumps of one shape in a box of this width [m], turned at random and poured.
+inline Bed poured_clumps(const dem::Clump& shape, double width, int count) {
+  Bed bed = box(width);
+  bed.shapes = {shape};
+  std::normal_distribution<double> part;
+  fill_loosely(bed, count, shape.reach, [&](auto& random) {
+    return dem::Grain{
+        .radius = shape.reach,
+        .shape = 0,
+        .orientation = dem::kernels::normalised({part(random), part(random), part(random), part(random)})};
+  });
+  settle(bed);
+  return bed;
+}
+
 /// Clumps of a file (centroid x,y,z in m, unit quaternion w,x,y,z of the frame in which the stone's spheres are given)
 /// in a box of 0.72 x 0.72 m; without one, 4000 turned at random and poured.
 inline Bed clump_bed(const std::string& csv, const std::vector<dem::Sphere>& stone) {
   const dem::Clump shape = dem::make_clump(stone);
+  if (csv.empty()) return poured_clumps(shape, 0.72, 4000);
   Bed bed = box(0.72);
   bed.shapes = {shape};
-  if (csv.empty()) {
-    std::normal_distribution<double> part;
-    fill_loosely(bed, 4000, shape.reach, [&](auto& random) {
-      return dem::Grain{
-          .radius = shape.reach,
-          .shape = 0,
-          .orientation = dem::kernels::normalised({part(random), part(random), part(random), part(random)})};
-    });
-    settle(bed);
-    return bed;
-  }
   std::ifstream file(csv);
   base::require_user(file.good(), csv + ": cannot be read");
   std::string line;

@@ -1,9 +1,9 @@
 // The DEM core against LIGGGHTS and LAMMPS on the same start state, steps timed in turns.
 //   benchmark_dem_compare [--spheres=FILE.csv] [--clumps=FILE.csv --stone=FILE.csv] [--only=A|B] [--steps=N]
-//                         [--rounds=N] [--mine]
+//                         [--rounds=N] [--mine] [--alike]
 // A: spheres in a box; without a file poured ones, which takes two minutes. B: clumps of one stone (x,y,z,radius of its
-// spheres); without files clumps of stone 1 of meshes/ballast, poured. --mine: no other code.
-// Every run starts from rest with empty histories and warms up for 1000 steps; then the runs take turns of N (300)
+// spheres); without files clumps of stone 1 of meshes/ballast, poured. --mine: no other code. --alike: large pages for
+// all. Every run starts from rest with empty histories and warms up for 1000 steps; then the runs take turns of N (300)
 // steps for some (3) rounds. Rates are medians; a ratio is the median of the rounds' ratios. Another program on the
 // machine changes all rates, ratios less. Debian packages: apt-get install liggghts lammps.
 // Kinetic energies after the same number of steps say that all solved the same problem. In A they agree within 2 %. In
@@ -28,7 +28,7 @@ using namespace benchmarks;
 struct Options {
   std::string spheres, clumps, stone = TRACKBED_SOURCE_FOLDER "/meshes/ballast/stone1.clump10.csv", only;
   int steps = 300, rounds = 3;
-  bool mine = false;
+  bool mine = false, alike = false;
 };
 constexpr int warm_up = 1000;
 
@@ -147,13 +147,7 @@ void print_table(const std::vector<Run>& runs, double grain_steps, const std::st
 void compare(const std::string& title, const std::string& unit, const Bed& bed, const std::vector<Way>& ways,
              const Options& options) {
   std::printf("%s: %zu grains, %zu spheres\n", title.c_str(), bed.grains.size(), bed.spheres.size());
-  struct Folder {
-    std::filesystem::path path;
-    ~Folder() { std::filesystem::remove_all(path); }
-  };
-  std::string pattern = (std::filesystem::temp_directory_path() / "trackbed_compare.XXXXXX").string();
-  if (!mkdtemp(pattern.data())) throw base::MachineError(pattern + ": cannot be made");
-  const Folder folder{pattern};
+  const TemporaryFolder folder;
   std::vector<Run> runs;
   for (const Way& way : ways) runs.push_back(ours(bed, way));
   const std::size_t mine = runs.size();
@@ -204,6 +198,8 @@ Options read(int argc, char** argv) {
       options.rounds = std::atoi(value.c_str());
     else if (argument == "--mine")
       options.mine = true;
+    else if (argument == "--alike")
+      options.alike = true;
     else
       throw base::UserError(argument + ": not understood; see the head of tests/benchmarks/dem_compare.cpp");
   }
@@ -220,6 +216,7 @@ int main(int argc, char** argv) try {
     setenv("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1", 0);
     execv("/proc/self/exe", argv);
   }
+  if (!options.alike) unsetenv("GLIBC_TUNABLES");  // this program has read it, the others have not
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (options.only != "B")
     compare("benchmark A", "sphere", sphere_bed(options.spheres),

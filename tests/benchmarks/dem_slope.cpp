@@ -43,21 +43,6 @@ Options read(int argc, char** argv) {
   return options;
 }
 
-Bed poured(const Options& options) {
-  const dem::Clump shape = dem::make_clump(dem::read_spheres(options.stone));
-  Bed bed = box(width);
-  bed.shapes = {shape};
-  std::normal_distribution<double> part;
-  fill_loosely(bed, options.grains, shape.reach, [&](auto& random) {
-    return dem::Grain{
-        .radius = shape.reach,
-        .shape = 0,
-        .orientation = dem::kernels::normalised({part(random), part(random), part(random), part(random)})};
-  });
-  settle(bed);
-  return bed;
-}
-
 void print(const char* code, const std::vector<dem::GrainSphere>& spheres, double seconds) {
   const dem::HeapAngle heap = dem::heap_angle(spheres, {dem::HeapView::x, base::Vec3{}, 0.0});
   const double degree = std::numbers::pi / 180;
@@ -86,7 +71,7 @@ std::vector<dem::GrainSphere> dumped(const std::filesystem::path& path, std::vec
 }
 
 void run(const Options& options) {
-  Bed bed = poured(options);
+  Bed bed = poured_clumps(dem::make_clump(dem::read_spheres(options.stone)), width, options.grains);
   std::printf("%zu clumps, %zu spheres at rest; the wall at x = %g m is taken away\n", bed.grains.size(),
               bed.spheres.size(), width);
   bed.high[0] = far_away;
@@ -103,13 +88,7 @@ void run(const Options& options) {
     std::printf("LAMMPS is missing, left out: apt-get install --no-install-recommends lammps\n");
     return;
   }
-  struct Folder {
-    std::filesystem::path path;
-    ~Folder() { std::filesystem::remove_all(path); }
-  };
-  std::string pattern = (std::filesystem::temp_directory_path() / "trackbed_slope.XXXXXX").string();
-  if (!mkdtemp(pattern.data())) throw base::MachineError(pattern + ": cannot be made");
-  const Folder folder{pattern};
+  const TemporaryFolder folder;
   write_lammps(folder.path, bed);
   OtherCode lammps("lmp", folder.path);
   lammps.run("include begin.in");

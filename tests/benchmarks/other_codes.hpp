@@ -30,6 +30,20 @@ inline double seconds(clockid_t clock) {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+/// A folder of its own, gone with this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "trackbed_benchmark.XXXXXX").string();
+    if (!mkdtemp(pattern.data())) throw base::MachineError(pattern + ": cannot be made");
+    path = pattern;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() { std::filesystem::remove_all(path); }
+  std::filesystem::path path;
+};
+
 /// A code that reads commands from its standard input. Closing it ends the program.
 class OtherCode {
  public:
@@ -50,7 +64,6 @@ class OtherCode {
       dup2(out[1], STDOUT_FILENO);
       dup2(out[1], STDERR_FILENO);
       setenv("OMP_NUM_THREADS", "1", 1);
-      unsetenv("GLIBC_TUNABLES");  // as their users start them
       if (chdir(folder.c_str()) == 0)
         execlp("stdbuf", "stdbuf", "-oL", program.c_str(), "-log", "none", static_cast<char*>(nullptr));
       _exit(127);
