@@ -1,0 +1,167 @@
+// Coupled runs with the grains on the pretended device, against the processor: stones of ten spheres and a ball fall
+// onto a slab. In one process, with the bodies in another, with the grains in two, interrupted and gone on.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/regression/run_helper.hpp"
+
+namespace {
+
+using namespace regression;
+
+const char* const slab = R"(title = "stones on a slab"
+
+[time]
+dem_step = "4 us"
+fem_step = "4 us"
+
+[grains]
+material = { name = "stone", young_modulus = "0.5 GPa", poisson_ratio = 0.2, density = "2700 kg/m3" }
+friction = 0.5
+restitution = 0.6
+
+[[grains.shape]]
+name = "stone1"
+file = "SOURCE/meshes/ballast/stone1.clump10.csv"
+
+[[grain]]
+position = [0.10, 0.01, 0.045]
+shape = "stone1"
+size = "50 mm"
+velocity = [0.3, 0.1, -1.0]
+angular_velocity = [3.0, 20.0, 5.0]
+repeat = [4.0, 1.0, 1.0]
+spacing = [0.12, 0.0, 0.0]
+
+[[grain]]
+position = [0.40, -0.05, 0.042]
+radius = "26 mm"
+velocity = [-0.5, 0.2, -1.0]
+
+[[body]]
+name = "slab"
+mesh = "SOURCE/meshes/box.geo"
+mesh_parameters = { length = 0.6, width = 0.3, height = 0.03, cells_x = 8, cells_y = 4, cells_z = 1 }
+element = "hex8"
+gravity = false
+skin = ["z_max"]
+
+[[body.material]]
+young_modulus = "1 GPa"
+poisson_ratio = 0.2
+density = "2000 kg/m3"
+
+[[body.support]]
+group = "x_min"
+fix = ["x", "y", "z"]
+
+[[body.support]]
+group = "x_max"
+fix = ["x", "y", "z"]
+
+[[stage]]
+name = "fall"
+duration = "8 ms"
+measure = true
+
+[[probe]]
+name = "on_slab"
+kind = "contact_force"
+body = "slab"
+component = "z"
+scale = -1.0
+
+[[probe]]
+name = "kinetic_energy"
+kind = "kinetic_energy"
+
+[[probe]]
+name = "ball"
+kind = "grain_velocity"
+grain = 4
+component = "x"
+
+[output]
+interval = "2 ms"
+probe_interval = "0.1 ms"
+checkpoint_interval = "2 ms"
+)";
+
+/// Rows of history.csv by column.
+std::map<std::string, std::vector<double>> history(const fs::path& run) {
+  std::ifstream in(run / "history.csv");
+  std::string line, cell;
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<double>> columns;
+  while (std::getline(in, line)) {
+    if (line.empty() || line[0] == '#') continue;
+    std::istringstream cells(line);
+    const bool head = names.empty();
+    for (std::size_t k = 0; std::getline(cells, cell, ','); ++k)
+      head ? names.push_back(cell) : columns[names.at(k)].push_back(std::stod(cell));
+  }
+  return columns;
+}
+
+fs::path run(const std::string& name, const std::string& more, int ranks = 0, const std::string& backend = "cuda") {
+  const fs::path file = write_scene("slab", slab);
+  const Finished done = trackbed("run '" + file.string() + "' --threads 1 --backend " + backend + " --out '" +
+                                     (scratch() / name).string() + "' --overwrite " + more,
+                                 ranks);
+  EXPECT_EQ(done.status, 0) << done.output;
+  EXPECT_EQ(summary(scratch() / name)["status"], "completed") << done.output;
+  return scratch() / name;
+}
+
+/// Largest difference of a column, of its largest value.
+double difference(const fs::path& one, const fs::path& other, const std::string& column) {
+  const auto a = history(one), b = history(other);
+  EXPECT_GT(a.at(column).size(), 50u);
+  EXPECT_EQ(a.at(column).size(), b.at(column).size());
+  double largest = 0, apart = 0;
+  for (std::size_t k = 0; k < std::min(a.at(column).size(), b.at(column).size()); ++k) {
+    largest = std::max(largest, std::abs(a.at(column)[k]));
+    apart = std::max(apart, std::abs(a.at(column)[k] - b.at(column)[k]));
+  }
+  EXPECT_GT(largest, 0);
+  return apart / largest;
+}
+
+std::string column_of(const fs::path& run, const std::string& probe) {
+  for (const auto& [name, rows] : history(run))
+    if (name.starts_with(probe)) return name;
+  ADD_FAILURE() << "no column of " << probe;
+  return "";
+}
+
+void expect_alike(const fs::path& one, const fs::path& other) {
+  for (const char* probe : {"on_slab", "kinetic_energy", "ball"})
+    EXPECT_LT(difference(one, other, column_of(one, probe)), 1e-9) << probe;
+}
+
+TEST(CoupledOnPtx, AsOnTheProcessor) {
+  const fs::path processor = run("processor", "", 0, "omp"), device = run("device", "");
+  expect_alike(processor, device);
+  EXPECT_EQ(summary(device)["backend"], "cuda");
+  EXPECT_LT(summary(device)["momentum_error"].get<double>(), 1e-12);
+}
+
+TEST(CoupledOnPtx, BodiesAndGrainsOnRanks) {
+  const fs::path alone = run("alone", "");
+  expect_alike(alone, run("two", "", 2));
+  expect_alike(alone, run("three", "--dem-ranks 2", 3));
+}
+
+TEST(CoupledOnPtx, GoesOnToTheLastBit) {
+  const fs::path whole = run("whole", "");
+  const fs::path half = run("half", "--until 0.004");
+  const fs::path rest = run("rest", "--restart '" + half.string() + "'");
+  const auto a = history(whole), b = history(rest);
+  for (const char* probe : {"on_slab", "kinetic_energy", "ball"}) {
+    const std::string column = column_of(whole, probe);
+    EXPECT_EQ(a.at(column).back(), b.at(column).back()) << probe;
+  }
+}
+
+}  // namespace
