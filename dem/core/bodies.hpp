@@ -120,7 +120,7 @@ struct LeapBodies {
   TRACKBED_FLATTEN TRACKBED_HD double operator()(int b) const { return pass(b, phase); }
   TRACKBED_HD double pass(int b, const Phase& phase) const {
     const Vec3 centre = integrator.place[b].position;
-    Quad &t = integrator.state.translation(b), &r = integrator.state.rotation(b);
+    Quad t = integrator.state.translation(b), r = integrator.state.rotation(b);
     kernels::RigidRotation turning{orientation[b], r.vector};
     Pull p;
     if (phase.ends) {
@@ -142,6 +142,8 @@ struct LeapBodies {
     if (!phase.begins) {
       orientation[b] = turning.orientation;
       r.vector = turning.angular_velocity;
+      integrator.state.translation(b) = t;
+      integrator.state.rotation(b) = r;
       integrator.pull.translation(b).vector = p.force;
       integrator.pull.rotation(b).vector = p.torque;
       return 0;
@@ -153,6 +155,8 @@ struct LeapBodies {
     Scheme::begin_step(turning, inertia[b], (Scheme::halves ? 2 * first / dt : 1) * p.torque, dt);
     orientation[b] = turning.orientation;
     r.vector = turning.angular_velocity;
+    integrator.state.translation(b) = t;
+    integrator.state.rotation(b) = r;
     kernels::RigidRotation seen = turning;
     Scheme::finish_step(seen, inertia[b], (2 * integrator.at_end) * p.torque, dt);
     carry(b, moved, turning.orientation, t.vector + last * p.force, seen.angular_velocity);
@@ -167,7 +171,8 @@ struct LeapBodies {
   }
 
   TRACKBED_HD static Pull read(const Rows<Quad>& rows, int k) {
-    return {rows.translation(k).vector, rows.rotation(k).vector, rows.translation(k).number};
+    const Quad t = rows.translation(k), r = rows.rotation(k);
+    return {t.vector, r.vector, t.number};
   }
 
   /// As Integrator::end_step; leaves the acceleration and the torque (damping and rolling included) in `p`.

@@ -11,14 +11,28 @@ namespace dem::TRACKBED_DEM_SYSTEM {
 /// What one contact keeps from step to step, out of its row in a column of such.
 template <class Real, int numbers>
 struct Kept {
+  /// What is moved at once: 16 bytes, where rows are whole ones of these.
+  static constexpr int together = numbers * sizeof(Real) % 16 == 0 && numbers > 0 ? 16 / sizeof(Real) : 1;
+  struct alignas(together * sizeof(Real)) Piece {
+    Real number[together];
+  };
   Real number[numbers > 0 ? numbers : 1] = {};
 
   Kept() = default;
   TRACKBED_HD Kept(const Real* column, int c) {
-    for (int k = 0; k < numbers; ++k) number[k] = column[static_cast<std::size_t>(c) * numbers + k];
+    const auto* from = reinterpret_cast<const Piece*>(column + static_cast<std::size_t>(c) * numbers);
+    for (int p = 0; p < numbers / together; ++p) {
+      const Piece piece = from[p];
+      for (int k = 0; k < together; ++k) number[p * together + k] = piece.number[k];
+    }
   }
   TRACKBED_HD void write(Real* column, int c) const {
-    for (int k = 0; k < numbers; ++k) column[static_cast<std::size_t>(c) * numbers + k] = number[k];
+    auto* to = reinterpret_cast<Piece*>(column + static_cast<std::size_t>(c) * numbers);
+    for (int p = 0; p < numbers / together; ++p) {
+      Piece piece;
+      for (int k = 0; k < together; ++k) piece.number[k] = number[p * together + k];
+      to[p] = piece;
+    }
   }
 };
 
@@ -39,6 +53,7 @@ struct Meeting {
   kernels::Touch<Real> touch;
   Real arm_i = 0, arm_j = 0;  // [m] from the centres to the contact point
   Vector3<Real> turning;      // [rad/s] angular velocity of i relative to j
+  double smaller = 0;         // [m] of the radii
   Real rolling_inertia = 0;   // [kg m2]
 };
 
@@ -66,6 +81,7 @@ struct PairGeometry {
     const Vec3 between = a.position - b.position;
     const double both = a.radius + b.radius, squared = norm2(between), gap = both * both - squared;
     if (!(gap > 0)) return false;
+    m.smaller = std::fmin(a.radius, b.radius);
     const Real radius_i = static_cast<Real>(a.radius), radius_j = static_cast<Real>(b.radius);
     const Real reach = static_cast<Real>(both), distance = kernels::square_root(static_cast<Real>(squared));
     if constexpr (std::is_same_v<Real, float>)
@@ -75,11 +91,12 @@ struct PairGeometry {
     m.touch.normal = distance > 0 ? (1 / distance) * as<Real>(between) : Vector3<Real>{0, 0, 1};
     m.arm_i = radius_i - Real(0.5) * m.touch.overlap;
     m.arm_j = radius_j - Real(0.5) * m.touch.overlap;
-    const Quad &ti = motion.translation(i), &tj = motion.translation(j);
+    const Quad ti = motion.translation(i), tj = motion.translation(j);
     const Real mass_i = static_cast<Real>(ti.number), mass_j = static_cast<Real>(tj.number);
     m.touch.velocity = as<Real>(ti.vector - tj.vector);
     if (motion.parts == 2) {
-      const Vec3 &wi = motion.rotation(i).vector, &wj = motion.rotation(j).vector;
+      const Quad ri = motion.rotation(i), rj = motion.rotation(j);
+      const Vec3 wi = ri.vector, wj = rj.vector;
       m.touch.velocity -= cross(m.arm_i * as<Real>(wi) + m.arm_j * as<Real>(wj), m.touch.normal);
       m.turning = as<Real>(wi - wj);
       m.rolling_inertia = kernels::rolling_inertia(mass_i, radius_i, mass_j, radius_j);
@@ -140,7 +157,7 @@ struct ContactPass {
       return;
     }
     const auto& touch = meeting.touch;
-    const double smaller = std::fmin(geometry.place[i].radius, geometry.place[j].radius);
+    const double smaller = meeting.smaller;
     if (touch.overlap > maximum_overlap * smaller) *unstable = overlap_too_large;
     const kernels::PairParameters& material = parameters[pair ? pair[c] : 0];
     Kept kept(history, c);

@@ -45,9 +45,10 @@ struct Integrator {
   TRACKBED_HD void end_step(int g, double ended, Pull& p) const {
     add_walls(g, p);
     const double half = at_end * ended, hold = 1 / (1 + alpha * half);
-    Quad& t = state.translation(g);
+    Quad t = state.translation(g);
     const Vec3 free = t.number * p.force + gravity;
     t.vector = hold * (t.vector + half * free);
+    state.translation(g) = t;
     p.force = free - alpha * t.vector;
     GrainLedger lost;
     if (ledger && alpha > 0) lost.loss_damping = alpha * ended / t.number * norm2(t.vector);
@@ -60,14 +61,14 @@ struct Integrator {
 
   TRACKBED_HD void add_walls(int g, Pull& p) const {
     if (!wall_slot || wall_slot[g] < 0) return;
-    const WallSum& w = wall_sum[wall_slot[g]];
+    const WallSum w = wall_sum[wall_slot[g]];
     p.force += w.force;
     p.torque += w.torque;
     p.rolling += w.rolling;
   }
 
   TRACKBED_HD void turn(int g, double ended, double half, double hold, Pull& p, GrainLedger& lost) const {
-    Quad& r = state.rotation(g);
+    Quad r = state.rotation(g);
     Vec3 braking;
     if (rolling && p.rolling > 0) {
       braking = kernels::bounded_rolling_friction({r.vector, p.torque, 1 / r.number, p.rolling, dt}).torque;
@@ -75,6 +76,7 @@ struct Integrator {
     }
     const Vec3 free = r.number * p.torque;
     r.vector = hold * (r.vector + half * free);
+    state.rotation(g) = r;
     p.torque = free - alpha * r.vector;
     if (!ledger) return;
     lost.loss_rolling = -ended * dot(braking, r.vector);
@@ -83,21 +85,25 @@ struct Integrator {
 
   /// Starts a step with the accelerations in `p`. False when the state is not finite.
   TRACKBED_HD bool begin_step(int g, const Pull& p) const {
-    Quad& t = state.translation(g);
+    Quad t = state.translation(g);
     const double first = kick(), last = at_end * dt;
     t.vector += first * p.force;
-    place[g].position += dt * t.vector;
+    state.translation(g) = t;
+    Place at = place[g];
+    at.position += dt * t.vector;
+    place[g] = at;
     motion.translation(g).vector = t.vector + last * p.force;
     if (state.parts == 1) return true;
-    Quad& r = state.rotation(g);
+    Quad r = state.rotation(g);
     r.vector += first * p.torque;
+    state.rotation(g) = r;
     motion.rotation(g).vector = r.vector + last * p.torque;
     return norm2(r.vector) < 1e200;
   }
 
   TRACKBED_HD Pull read(int g) const {
     Pull p;
-    const Quad& t = pull.translation(g);
+    const Quad t = pull.translation(g);
     p.force = t.vector;
     p.rolling = t.number;
     if (pull.parts == 2) p.torque = pull.rotation(g).vector;
@@ -132,14 +138,14 @@ struct GatheredForces {
   TRACKBED_HD void add(int g, Pull& p) const {
     const double radius = place[g].radius;
     for (int c = own_start[g]; c < own_start[g + 1]; ++c) {
-      const PairForce<Real>& f = pair_force[c];
+      const PairForce<Real> f = pair_force[c];
       p.force += as<double>(f.force);
       p.torque -= (radius - f.half_overlap) * as<double>(f.moment);
       if (couple) p.torque += as<double>(couple[c]);
       p.rolling += f.rolling;
     }
     for (int k = other_start[g]; k < other_start[g + 1]; ++k) {
-      const PairForce<Real>& f = pair_force[other[k]];
+      const PairForce<Real> f = pair_force[other[k]];
       p.force -= as<double>(f.force);
       p.torque -= (radius - f.half_overlap) * as<double>(f.moment);
       if (couple) p.torque -= as<double>(couple[other[k]]);
