@@ -11,6 +11,22 @@ namespace dem {
 /// Everything that is queued, to the byte.
 class LaunchNotes {
  public:
+  /// Whether queue_all() would queue what it did the last time; it is called, but has its calls noted only.
+  template <class All>
+  bool same_again(const All& queue_all) {
+    begin();
+    only_notes_ = true;
+    queue_all();
+    only_notes_ = false;
+    return same_again();
+  }
+  /// Whether a call is to be noted in place of being queued; then it is.
+  template <class... T>
+  bool takes(const T&... what) {
+    if (only_notes_) add(what...);
+    return only_notes_;
+  }
+
   template <class... T>
   void add(const T&... values) {
     (add_bytes(values), ...);
@@ -25,6 +41,7 @@ class LaunchNotes {
 
  private:
   std::vector<std::byte> now_, before_;
+  bool only_notes_ = false;
 
   template <class T>
   void add_bytes(T value) {

@@ -156,12 +156,12 @@ class Queue {
   /// functor(index) for 0 … n-1.
   template <class Functor>
   void launch(int n, const Functor& functor) {
-    if (n > 0 && !noted(&mark_of<Functor>, n, functor)) launch_on(on_side_ ? side_ : stream_, n, functor);
+    if (n > 0 && !notes_.takes(&mark_of<Functor>, n, functor)) launch_on(on_side_ ? side_ : stream_, n, functor);
   }
   /// *largest = the larger of itself and all functor(index), which are not negative.
   template <class Functor>
   void launch_largest(int n, const Functor& functor, NumberBits* largest) {
-    if (n <= 0 || noted(&mark_of<Functor>, n, functor, largest)) return;
+    if (n <= 0 || notes_.takes(&mark_of<Functor>, n, functor, largest)) return;
     largest_kernel<<<blocks_of(n), kernel_threads, 0, stream_>>>(n, functor, largest);
     require_device(cudaGetLastError(), "a kernel");
   }
@@ -169,7 +169,7 @@ class Queue {
   /// functor.finish(result, sums); nothing where functor.skip(result).
   template <int N, class Functor>
   void launch_sums(int results, int n, const Functor& functor) {
-    if (results <= 0 || noted(&mark_of<Functor>, results, n, functor)) return;
+    if (results <= 0 || notes_.takes(&mark_of<Functor>, results, n, functor)) return;
     sum_kernel<N><<<static_cast<unsigned>(results), sum_threads, 0, stream_>>>(n, functor);
     require_device(cudaGetLastError(), "a kernel");
   }
@@ -177,14 +177,14 @@ class Queue {
   /// alone; nothing where functor.idle().
   template <int N, class Functor>
   void launch_groups(int n, const Functor& functor) {
-    if (n <= 0 || noted(&mark_of<Functor>, n, functor)) return;
+    if (n <= 0 || notes_.takes(&mark_of<Functor>, n, functor)) return;
     group_kernel<N><<<blocks_of(n), kernel_threads, 0, on_side_ ? side_ : stream_>>>(n, functor);
     require_device(cudaGetLastError(), "a kernel");
   }
   /// What the two launch may run at the same time.
   template <class First, class Second>
   void side_by_side(const First& first, const Second& second) {
-    if (noted(&mark_of<Queue>)) {
+    if (notes_.takes(&mark_of<Queue>)) {
       second();
       return first();
     }
@@ -213,7 +213,7 @@ class Queue {
   /// up to twice, and does nothing else that matters.
   template <class All>
   void window(const All& queue_all) {
-    if (!note(queue_all)) {
+    if (!notes_.same_again(queue_all)) {
       window_is_graph_ = false;
       return queue_all();
     }
@@ -237,29 +237,14 @@ class Queue {
   cudaStream_t stream_ = nullptr, side_ = nullptr;
   cudaEvent_t forked_ = nullptr, joined_ = nullptr;
   cudaGraphExec_t steps_ = nullptr, window_ = nullptr;
-  bool on_side_ = false, notes_only_ = false, window_is_graph_ = false;
+  bool on_side_ = false, window_is_graph_ = false;
   LaunchNotes notes_;
 
   template <class T>
   void copy(const T* from, T* to, std::size_t n, cudaMemcpyKind kind) {
-    if (n == 0 || noted(&mark_of<T>, from, to, n)) return;
+    if (n == 0 || notes_.takes(&mark_of<T>, from, to, n)) return;
     require_device(cudaMemcpyAsync(to, from, n * sizeof(T), kind, stream_), "a copy");
   }
-  template <class... T>
-  bool noted(const T&... what) {
-    if (notes_only_) notes_.add(what...);
-    return notes_only_;
-  }
-  /// Whether it is the same again.
-  template <class All>
-  bool note(const All& queue_all) {
-    notes_.begin();
-    notes_only_ = true;
-    queue_all();
-    notes_only_ = false;
-    return notes_.same_again();
-  }
-
   /// A graph of the same form takes new addresses and numbers without being made anew.
   template <class Step>
   void capture(const Step& step, cudaGraphExec_t& graph_to_start) {
@@ -330,12 +315,12 @@ class Queue {
 
   template <class Functor>
   void launch(int n, const Functor& functor) {
-    if (n <= 0 || noted(&mark_of<Functor>, n, functor)) return;
+    if (n <= 0 || notes_.takes(&mark_of<Functor>, n, functor)) return;
     now_or_later([n, functor] { dem::TRACKBED_DEM_SYSTEM::launch(n, functor); });
   }
   template <class Functor>
   void launch_largest(int n, const Functor& functor, NumberBits* largest) {
-    if (n <= 0 || noted(&mark_of<Functor>, n, functor, largest)) return;
+    if (n <= 0 || notes_.takes(&mark_of<Functor>, n, functor, largest)) return;
     now_or_later([n, functor, largest] {
       const double found = reduce(n, functor, 0.0, thrust::maximum<double>());
       if (bits_of(found) > *largest) *largest = bits_of(found);
@@ -343,7 +328,7 @@ class Queue {
   }
   template <int N, class Functor>
   void launch_sums(int results, int n, const Functor& functor) {
-    if (results <= 0 || noted(&mark_of<Functor>, results, n, functor)) return;
+    if (results <= 0 || notes_.takes(&mark_of<Functor>, results, n, functor)) return;
     now_or_later([results, n, functor] {
       for (int result = 0; result < results; ++result) {
         if (functor.skip(result)) continue;
@@ -378,11 +363,7 @@ class Queue {
   }
   template <class All>
   void window(const All& queue_all) {
-    notes_.begin();
-    notes_only_ = true;
-    queue_all();
-    notes_only_ = false;
-    if (!notes_.same_again()) {
+    if (!notes_.same_again(queue_all)) {
       window_calls_.clear();
       return queue_all();
     }
@@ -392,7 +373,7 @@ class Queue {
 
   template <class T>
   void send(const T* host, T* device, std::size_t n) {
-    if (n == 0 || noted(&mark_of<T>, host, device, n)) return;
+    if (n == 0 || notes_.takes(&mark_of<T>, host, device, n)) return;
     now_or_later([=] { std::copy_n(host, n, device); });
   }
   template <class T>
@@ -406,14 +387,8 @@ class Queue {
   using Calls = std::vector<std::function<void()>>;
   Calls step_calls_, window_calls_;
   Calls* kept_ = nullptr;  // calls go there instead of being done
-  bool notes_only_ = false;
   LaunchNotes notes_;
 
-  template <class... T>
-  bool noted(const T&... what) {
-    if (notes_only_) notes_.add(what...);
-    return notes_only_;
-  }
   template <class Step>
   void keep_calls(const Step& step, Calls& calls) {
     calls.clear();

@@ -1,7 +1,7 @@
 #pragma once
 // What the backend stores. Grains are rows (a contact reads whole rows of two grains that lie anywhere); contacts are
-// columns of rows read in order. Alignment keeps a row within one cache line. Kernels copy rows as a whole: a GPU then moves
-// 16 bytes at a time; by references to their parts, whose alignment is less, it would move 8.
+// columns of rows read in order. Alignment keeps a row within one cache line. Kernels copy rows as a whole: a GPU then
+// moves 16 bytes at a time; by references to their parts, whose alignment is less, it would move 8.
 #include <cstdint>
 
 #include "dem/core/backend.hpp"
