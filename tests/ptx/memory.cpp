@@ -36,9 +36,9 @@ class Region {
     in_use_ += bytes;
     return address;
   }
-  void free(std::uint64_t address) {
+  bool free(std::uint64_t address) {
     const auto found = sizes_.find(address);
-    if (found == sizes_.end()) return;
+    if (found == sizes_.end()) return false;
     const std::size_t first = address - begin_, bytes = found->second;
     std::memset(state_ + first, nobodys, bytes);
     constexpr std::size_t page = 4096;
@@ -49,6 +49,7 @@ class Region {
     }
     in_use_ -= bytes;
     sizes_.erase(found);
+    return true;
   }
   std::byte* at(std::uint64_t address, std::size_t bytes, Access access, Fault& fault) {
     const std::size_t first = address - begin_;
@@ -92,7 +93,11 @@ Place device_place{~0ull, nullptr, nullptr};
 std::byte* reserve(std::size_t bytes) { return reserve_with(bytes, PROT_READ | PROT_WRITE); }
 
 std::uint64_t allocate(std::size_t bytes, std::size_t align) { return device().allocate(bytes, align, given); }
-void free(std::uint64_t address) { device().free(address); }
+bool free(std::uint64_t address) { return device().free(address); }
+void copy_state(std::uint64_t to, std::uint64_t from, std::size_t bytes) {
+  if (!is_device(to) || !is_device(from)) return;
+  std::memcpy(device_place.state + (to - device_place.begin), device_place.state + (from - device_place.begin), bytes);
+}
 void* allocate_host(std::size_t bytes) {
   return reinterpret_cast<void*>(pinned().allocate(bytes, 512, written));  // NOLINT: what the host writes is not seen
 }

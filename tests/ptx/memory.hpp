@@ -1,7 +1,7 @@
 #pragma once
 // Memory of the pretended device. Its addresses are no addresses of the host, so that a host that reads them falls
-// over; every byte knows whether it is allocated and whether something was written to it. Nothing is given out twice,
-// so that a use after freeing is found.
+// over; every byte of the device knows whether it is allocated and whether something was written to it, of page-locked
+// memory whether it is allocated. Nothing is given out twice, so that a use after freeing is found.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -53,12 +53,15 @@ inline std::byte* written_at(std::uint64_t address, int bytes) {
 /// Zeros that take memory as they are touched. Throws std::bad_alloc, as the next do.
 std::byte* reserve(std::size_t bytes);
 std::uint64_t allocate(std::size_t bytes, std::size_t align = 512);
-void free(std::uint64_t address);
+/// False where nothing was allocated.
+bool free(std::uint64_t address);
 /// Page-locked: the host's addresses are the device's.
 void* allocate_host(std::size_t bytes);
 void free_host(void* address);
 bool is_device(std::uint64_t address), is_pinned(std::uint64_t address);
 std::size_t bytes_in_use();
+/// After a copy within the device: what was not written there is not written here.
+void copy_state(std::uint64_t to, std::uint64_t from, std::size_t bytes);
 
 enum class Fault { none, outside, unwritten };
 /// Where the host finds it. `outside`: not allocated (the pointer is null); `unwritten`: read before anything was

@@ -207,7 +207,8 @@ To converted(From a, Conversion how) {
       return !how.saturate ? b : (b > 0) ? std::min(b, To(1)) : To(0);
     } else {
       using Limits = std::numeric_limits<To>;
-      if (std::isnan(a)) return sizeof(To) == 8 ? static_cast<To>(1ull << 63) : To(0);
+      if (std::isnan(a))
+        return sizeof(To) == 8 || sizeof(From) == 8 ? static_cast<To>(1ull << (8 * sizeof(To) - 1)) : To(0);
       if (a <= static_cast<From>(Limits::min())) return Limits::min();
       if (a >= static_cast<From>(Limits::max())) return Limits::max();
       return static_cast<To>(a);
@@ -572,6 +573,10 @@ Run address_conversion(const std::vector<std::string>& parts) {
 
 bool choose_operation(const std::vector<std::string>& parts, Instruction& i) {
   const std::string& name = parts[0];
+  // Arithmetic is exact or rounded to the nearest, numbers are as they come; what asks for more is not known.
+  const bool coarse = name == "rcp" && has(parts, "approx");
+  for (const char* more : {"rz", "rm", "rp", "NaN", "sat", "ftz", "approx", "full"})
+    if (name != "cvt" && !coarse && has(parts, more)) return false;
   if (name == "ld" || name == "st") {
     take_space(parts, i);
     const bool reads = name == "ld";

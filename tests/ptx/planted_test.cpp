@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <thread>
 
 #include "tests/ptx/runtime.hpp"
 #include "tests/ptx/warp.hpp"
@@ -134,6 +135,130 @@ TEST_F(Planted, CapturesRefuseWhatADriverRefuses) {
   cudaGraphExecDestroy(exec);
   cudaGraphDestroy(graph);
   cudaStreamDestroy(stream);
+}
+
+/// Two streams, an event of each kind.
+class Streams : public Planted {
+ protected:
+  void SetUp() override {
+    Planted::SetUp();
+    ASSERT_EQ(cudaStreamCreate(&one), cudaSuccess);
+    ASSERT_EQ(cudaStreamCreate(&other_one), cudaSuccess);
+    for (cudaEvent_t* event : {&forked, &joined}) ASSERT_EQ(cudaEventCreateWithFlags(event, 0), cudaSuccess);
+    host[0] = 1;
+    host[1] = 2;
+  }
+  void TearDown() override {
+    for (const cudaEvent_t event : {forked, joined}) cudaEventDestroy(event);
+    for (const cudaStream_t stream : {one, other_one}) cudaStreamDestroy(stream);
+    Planted::TearDown();
+  }
+  void send(cudaStream_t stream) const {
+    ASSERT_EQ(cudaMemcpyAsync(row, host, sizeof(int), cudaMemcpyHostToDevice, stream), cudaSuccess);
+  }
+  void fetch(cudaStream_t stream) const {
+    ASSERT_EQ(cudaMemcpyAsync(host + 1, row, sizeof(int), cudaMemcpyDeviceToHost, stream), cudaSuccess);
+  }
+  cudaStream_t one = nullptr, other_one = nullptr;
+  cudaEvent_t forked = nullptr, joined = nullptr;
+};
+
+TEST_F(Streams, WaitingForAnotherStreamIsNotEnough) {
+  send(one);
+  fetch(one);
+  EXPECT_EQ(cudaStreamSynchronize(other_one), cudaSuccess);
+  EXPECT_EQ(host[1], 2);
+  EXPECT_EQ(cudaStreamSynchronize(one), cudaSuccess);
+  EXPECT_EQ(host[1], 1);
+}
+
+TEST_F(Streams, AnEventHasWhatWasQueuedBeforeIt) {
+  send(one);
+  EXPECT_EQ(cudaEventRecord(forked, one), cudaSuccess);
+  fetch(one);
+  EXPECT_EQ(cudaEventRecord(joined, one), cudaSuccess);
+  EXPECT_EQ(cudaEventSynchronize(forked), cudaSuccess);
+  EXPECT_EQ(host[1], 2);
+  EXPECT_EQ(cudaEventSynchronize(joined), cudaSuccess);
+  EXPECT_EQ(host[1], 1);
+}
+
+TEST_F(Streams, OneWaitsForTheOtherWhereItIsTold) {
+  send(one);
+  EXPECT_EQ(cudaEventRecord(forked, one), cudaSuccess);
+  EXPECT_EQ(cudaStreamWaitEvent(other_one, forked, 0), cudaSuccess);
+  fetch(other_one);
+  EXPECT_EQ(cudaStreamSynchronize(other_one), cudaSuccess);
+  EXPECT_EQ(host[1], 1);
+}
+
+TEST_F(Streams, TheDefaultStreamWaitsForAll) {
+  send(one);
+  planted::write(other, 4);
+  planted::read(row, other, 1);
+  ASSERT_EQ(cudaMemcpyAsync(host + 1, other, sizeof(int), cudaMemcpyDeviceToHost, other_one), cudaSuccess);
+  EXPECT_EQ(cudaStreamSynchronize(other_one), cudaSuccess);
+  EXPECT_EQ(host[1], 1);
+}
+
+TEST_F(Streams, ACaptureHasItsSideStreamJoined) {
+  cudaGraph_t graph = nullptr;
+  for (const bool joins : {false, true}) {
+    ASSERT_EQ(cudaStreamBeginCapture(one, cudaStreamCaptureModeThreadLocal), cudaSuccess);
+    ASSERT_EQ(cudaEventRecord(forked, one), cudaSuccess);
+    ASSERT_EQ(cudaStreamWaitEvent(other_one, forked, 0), cudaSuccess);
+    send(other_one);
+    ASSERT_EQ(cudaEventRecord(joined, other_one), cudaSuccess);
+    if (joins) {
+      ASSERT_EQ(cudaStreamWaitEvent(one, joined, 0), cudaSuccess);
+    }
+    EXPECT_EQ(cudaStreamEndCapture(one, &graph), joins ? cudaSuccess : cudaErrorStreamCaptureUnjoined);
+    cudaGraphDestroy(graph);
+  }
+}
+
+TEST_F(Streams, AnotherThreadMayWaitDuringACapture) {
+  fetch(nullptr);
+  ASSERT_EQ(cudaEventRecord(joined, nullptr), cudaSuccess);
+  ASSERT_EQ(cudaStreamBeginCapture(one, cudaStreamCaptureModeThreadLocal), cudaSuccess);
+  cudaError_t there = cudaErrorUnknown;
+  std::thread([&] { there = cudaEventSynchronize(joined); }).join();
+  EXPECT_EQ(there, cudaSuccess);
+  EXPECT_EQ(cudaGetLastError(), cudaSuccess);
+  cudaGraph_t graph = nullptr;
+  EXPECT_EQ(cudaStreamEndCapture(one, &graph), cudaSuccess);
+  cudaGraphDestroy(graph);
+}
+
+TEST_F(Planted, CopiesGoWhereTheySay) {
+  EXPECT_EQ(cudaMemcpyAsync(host, row, sizeof(int), cudaMemcpyDeviceToDevice, nullptr), cudaErrorInvalidValue);
+  EXPECT_EQ(cudaMemcpyAsync(host, row, sizeof(int), cudaMemcpyHostToDevice, nullptr), cudaErrorInvalidValue);
+  EXPECT_EQ(cudaFree(row + 1), cudaErrorInvalidValue);
+}
+
+TEST_F(Planted, CopiesOfWhatWasNeverWrittenAreNotWritten) {
+  EXPECT_EQ(cudaMemcpyAsync(other, row, 8 * sizeof(int), cudaMemcpyDeviceToDevice, nullptr), cudaSuccess);
+  planted::read(other, row, 1);
+  EXPECT_EQ(cudaDeviceSynchronize(), cudaSuccess);
+  EXPECT_EQ(ptx::findings.unwritten, 1);
+}
+
+/// PTX ISA 9.0, cvt: out of range to the nearest number of the type; no number to 0 of 32 bits from a float, else to
+/// the least of a signed type.
+TEST(PtxNumbers, OutOfRange) {
+  const double inf = HUGE_VAL, nan = std::nan("");
+  std::vector<planted::Numbers> numbers{
+      {1, 1, 1, 1, nan, 1.0, std::nanf("")}, {1, 1, 1, 1, inf, 1.0, HUGE_VALF}, {1, 1, 1, 1, -inf, 1.0, -HUGE_VALF}};
+  const auto results = planted::on_device(numbers);
+  EXPECT_EQ(results[0].nearest, INT32_MIN);  // from a double
+  EXPECT_EQ(results[0].from_float, 0);
+  EXPECT_EQ(results[0].from_double, INT64_MIN);
+  EXPECT_EQ(results[0].least, 1.0);
+  EXPECT_EQ(results[1].nearest, INT32_MAX);
+  EXPECT_EQ(results[1].from_float, INT32_MAX);
+  EXPECT_EQ(results[1].from_double, INT64_MAX);
+  EXPECT_EQ(results[2].down, INT32_MIN);
+  EXPECT_EQ(results[2].from_double, INT64_MIN);
 }
 
 TEST(PtxNumbers, AreTheHosts) {

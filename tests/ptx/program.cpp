@@ -516,8 +516,8 @@ class Reader {
     } else if (name == "bar") {
       if (parts[1] == "warp")
         i.from[4] = operands.at(0).rows[0];
-      else if (parts[1] == "red")
-        i.to[0] = operands.at(0).rows[0], i.from[0] = operands.at(2).rows[0];
+      else if (parts[1] == "red" && n == 3 && operands[1].name == "0" && !operands[2].negated)
+        i.to[0] = operands[0].rows[0], i.from[0] = operands[2].rows[0];
       else if (n != 1 || operands[0].name != "0")
         fail("only whole blocks wait at a barrier here");
     } else if (parts[0] == "unpack") {
@@ -544,15 +544,16 @@ class Reader {
       if (name == "vote") i.from[4] = i.from[1];
       if (name == "setp" && n == 4 && std::find(parts.begin(), parts.end(), "and") == parts.end()) fail("not known");
     }
-    if (parts.size() > 2 && (name == "addc" || name == "subc" || name == "madc" ||
-                             std::find(parts.begin(), parts.end(), "cc") != parts.end())) {
+    const bool takes_carry = name == "addc" || name == "subc" || name == "madc";
+    if (takes_carry && !carry_) fail("no carry");
+    if (takes_carry || std::find(parts.begin(), parts.end(), "cc") != parts.end()) {
       if (!carry_) carry_ = rows_++;
       i.to[1] = carry_;
     }
     const Space named = i.space;
     if (!choose_operation(parts, i)) fail("not known");
     if (named != Space::generic) i.space = named;
-    if ((name == "addc" || name == "subc" || name == "madc") && !carry_) fail("no carry");
+    if (i.guarded && i.kind != Kind::plain) fail("a guard is not known here");
   }
 
   void finish() {

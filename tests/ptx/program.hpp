@@ -2,7 +2,8 @@
 // PTX, the virtual machine code that nvcc makes of kernels, read into a form that warp.cpp runs on a processor. What
 // the CUDA half of the program consists of is run thus without a GPU: the same objects, the same kernels, every address
 // and every read of memory that nothing was written to checked. It says nothing about speed. Source: PTX ISA 9.0
-// (NVIDIA); of its instructions those that our kernels and Thrust's use. Others are an error.
+// (NVIDIA); of its instructions those that our kernels and Thrust's use. Others are
+// an error, and so are roundings and saturation that they do not use.
 #include <cstdint>
 #include <map>
 #include <memory>

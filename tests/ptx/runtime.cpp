@@ -15,18 +15,18 @@
 #include <functional>
 #include <mutex>
 #include <new>
+#include <thread>
 #include <unordered_map>
 #include <utility>
 
 #include "tests/ptx/memory.hpp"
+#include "tests/ptx/streams.hpp"
 #include "tests/ptx/warp.hpp"
 
 namespace {
 
-struct Work {
-  std::function<void()> run;
-  const void* form;  // what a graph of the same form has in the same place
-};
+using ptx::Position, ptx::Streams, ptx::Work;
+
 struct Module {
   const void* data = nullptr;
   std::unique_ptr<ptx::Program> program;
@@ -41,7 +41,7 @@ struct Function {
 };
 
 std::recursive_mutex everything;
-std::deque<Work> queue;
+Streams device(true);
 /// Kernels register themselves before this file's variables are made.
 std::deque<Module>& modules() {
   static std::deque<Module> all;
@@ -51,7 +51,8 @@ std::unordered_map<const void*, Function>& functions() {
   static std::unordered_map<const void*, Function> all;
   return all;
 }
-cudaError_t failed = cudaSuccess, last = cudaSuccess;
+cudaError_t failed = cudaSuccess;
+thread_local cudaError_t last = cudaSuccess;
 struct Launch {
   dim3 grid, block;
   std::size_t shared;
@@ -65,17 +66,20 @@ constexpr char copies = 0, sets = 0;  // their addresses stand for what is done
 bool ptx::make_whole() {
   const bool was_broken = failed != cudaSuccess;
   failed = last = cudaSuccess;
-  queue.clear();
+  device.clear();
   findings = {};
   return was_broken;
 }
 
 struct CUstream_st {
-  bool captures = false;
+  int number = 0;       // of the device's streams
+  int captured_as = 0;  // a capture's stream; 0: it takes part in none
 };
 struct CUevent_st {
   bool captured = false;
-  std::chrono::steady_clock::time_point time;
+  Position position;
+  std::shared_ptr<std::chrono::steady_clock::time_point> time =
+      std::make_shared<std::chrono::steady_clock::time_point>();
 };
 struct CUgraph_st {
   std::vector<Work> work;
@@ -86,8 +90,14 @@ struct CUgraphExec_st {
 
 namespace {
 
-CUgraph_st* capture = nullptr;
-std::vector<cudaStream_t> capturing;
+struct Capture {
+  Streams streams{false};
+  std::vector<Work> work;  // as it came
+  std::vector<cudaStream_t> taking_part;
+  std::thread::id thread;
+};
+std::unique_ptr<Capture> capture;
+bool this_thread_captures() { return capture && capture->thread == std::this_thread::get_id(); }
 
 struct Locked {
   std::lock_guard<std::recursive_mutex> lock{everything};
@@ -100,6 +110,12 @@ cudaError_t done(cudaError_t error) {
 bool switched_on(const char* name) {
   const char* value = std::getenv(name);
   return value && *value && *value != '0';
+}
+
+/// Blocks from the last to the first, and of what may run at the same time the other first.
+bool backwards() {
+  static const bool set = switched_on("PTX_BACKWARDS");
+  return set;
 }
 
 /// At the end: what a user would not see otherwise.
@@ -127,35 +143,41 @@ struct Account {
   }
 };
 
-cudaError_t finish() {
-  while (!queue.empty() && failed == cudaSuccess) {
-    const Work work = std::move(queue.front());
-    queue.pop_front();
-    try {
-      work.run();
-    } catch (const std::exception& e) {
-      std::fprintf(stderr, "ptx: %s\n", e.what());
-      failed = cudaErrorIllegalAddress;
-    }
+bool is_default(cudaStream_t stream) { return !stream || stream == cudaStreamLegacy || stream == cudaStreamPerThread; }
+bool captures(cudaStream_t stream) { return !is_default(stream) && stream->captured_as != 0; }
+int number_of(cudaStream_t stream) { return is_default(stream) ? 0 : stream->number; }
+
+void do_work(const Work& work) {
+  if (failed != cudaSuccess) return;
+  try {
+    work.run();
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "ptx: %s\n", e.what());
+    failed = cudaErrorIllegalAddress;
   }
+}
+cudaError_t finish() {
+  device.run_all(do_work);
   return done(failed);
 }
-
-bool captures(cudaStream_t stream) {
-  return stream && stream != cudaStreamLegacy && stream != cudaStreamPerThread && stream->captures;
+cudaError_t finish(Position position) {
+  device.run_to(position, do_work);
+  return done(failed);
 }
 
 cudaError_t add(cudaStream_t stream, Work work) {
   if (failed != cudaSuccess) return done(failed);
-  if (captures(stream))
-    capture->work.push_back(std::move(work));
-  else if (capture && (!stream || stream == cudaStreamLegacy))
+  if (captures(stream)) {
+    capture->work.push_back(work);
+    capture->streams.add(stream->captured_as, std::move(work));
+  } else if (capture && is_default(stream)) {
     return done(cudaErrorStreamCaptureImplicit);
-  else
-    queue.push_back(std::move(work));
+  } else {
+    device.add(number_of(stream), std::move(work));
+  }
   return cudaSuccess;
 }
-cudaError_t wait_for_all() { return capture ? done(cudaErrorStreamCaptureUnsupported) : finish(); }
+cudaError_t wait_for_all() { return this_thread_captures() ? done(cudaErrorStreamCaptureUnsupported) : finish(); }
 
 void read_module(Module& module) {
   static Account account;  // made after all that it looks at
@@ -205,12 +227,11 @@ cudaError_t launch(const void* host, dim3 grid, dim3 block, void** args, std::si
       std::memcpy(params.data() + f.kernel->params[k].to, args[k], static_cast<std::size_t>(f.kernel->params[k].count));
     if (grid.x == 0 || block.x == 0 || block.x * block.y * block.z > 1024) return done(cudaErrorInvalidConfiguration);
     // Kernels of ours must not care for the order of their blocks.
-    static const bool backwards = switched_on("PTX_BACKWARDS");
     const bool ours = !ptx::of_thrust(f.name);
     return add(stream, {[&f, params = std::move(params), grid, block, shared, ours] {
                           ptx::counted = {};
                           ptx::run_kernel(*f.module->program, *f.kernel, {grid.x, grid.y, grid.z},
-                                          {block.x, block.y, block.z}, shared, params.data(), backwards && ours);
+                                          {block.x, block.y, block.z}, shared, params.data(), backwards() && ours);
                           f.counts += ptx::counted;
                           f.threads += static_cast<double>(grid.x) * block.x;
                           ++f.launches;
@@ -233,6 +254,7 @@ void copy_now(void* to, const void* from, std::size_t bytes) {
     return found;
   };
   std::memcpy(place(to, ptx::memory::Access::write), place(from, ptx::memory::Access::read), bytes);
+  ptx::memory::copy_state(reinterpret_cast<std::uint64_t>(to), reinterpret_cast<std::uint64_t>(from), bytes);
 }
 
 }  // namespace
@@ -374,7 +396,7 @@ const char* cudaGetErrorString(cudaError_t error) {
 
 cudaError_t cudaMalloc(void** memory, std::size_t bytes) {
   Locked locked;
-  if (capture) return done(cudaErrorStreamCaptureUnsupported);
+  if (this_thread_captures()) return done(cudaErrorStreamCaptureUnsupported);
   try {
     *memory = bytes ? reinterpret_cast<void*>(ptx::memory::allocate(bytes)) : nullptr;  // NOLINT
     return cudaSuccess;
@@ -386,14 +408,18 @@ cudaError_t cudaFree(void* memory) {
   Locked locked;
   if (!memory) return cudaSuccess;
   const cudaError_t error = wait_for_all();
-  ptx::memory::free(reinterpret_cast<std::uint64_t>(memory));
-  return error;
+  if (error != cudaSuccess) return error;
+  return done(ptx::memory::free(reinterpret_cast<std::uint64_t>(memory)) ? cudaSuccess : cudaErrorInvalidValue);
 }
 cudaError_t cudaMallocAsync(void** memory, std::size_t bytes, cudaStream_t) { return cudaMalloc(memory, bytes); }
 cudaError_t cudaFreeAsync(void* memory, cudaStream_t stream) {
   Locked locked;
   if (!memory) return cudaSuccess;
-  return add(stream, {[memory] { ptx::memory::free(reinterpret_cast<std::uint64_t>(memory)); }, nullptr});
+  return add(stream, {[memory] {
+                        if (!ptx::memory::free(reinterpret_cast<std::uint64_t>(memory)))
+                          throw ptx::Hazard("memory is freed that was not allocated");
+                      },
+                      nullptr});
 }
 cudaError_t cudaHostAlloc(void** memory, std::size_t bytes, unsigned) {
   Locked locked;
@@ -422,13 +448,19 @@ cudaError_t cudaDeviceGetDefaultMemPool(cudaMemPool_t* pool, int) { return *pool
 cudaError_t cudaMemPoolSetAttribute(cudaMemPool_t, cudaMemPoolAttr, void*) { return cudaSuccess; }
 cudaError_t cudaMemPoolTrimTo(cudaMemPool_t, std::size_t) { return cudaSuccess; }
 
-cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind, cudaStream_t stream) {
+cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind, cudaStream_t stream) {
   Locked locked;
   if (!bytes) return cudaSuccess;
-  const auto pageable = [](const void* address) {
-    const auto number = reinterpret_cast<std::uint64_t>(address);
-    return !ptx::memory::is_device(number) && !ptx::memory::is_pinned(number);
+  const auto on_device = [](const void* address) {
+    return ptx::memory::is_device(reinterpret_cast<std::uint64_t>(address));
   };
+  const auto pageable = [&](const void* address) {
+    return !on_device(address) && !ptx::memory::is_pinned(reinterpret_cast<std::uint64_t>(address));
+  };
+  const bool from_device = kind == cudaMemcpyDeviceToHost || kind == cudaMemcpyDeviceToDevice,
+             to_device = kind == cudaMemcpyHostToDevice || kind == cudaMemcpyDeviceToDevice;
+  if (kind != cudaMemcpyDefault && (from_device != on_device(from) || to_device != on_device(to)))
+    return done(cudaErrorInvalidValue);
   const bool later = captures(stream);
   if (pageable(from) && !later) {
     const auto* bytes_from = static_cast<const std::byte*>(from);
@@ -438,7 +470,7 @@ cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaM
                         nullptr});
   }
   const cudaError_t error = add(stream, {[to, from, bytes] { copy_now(to, from, bytes); }, &copies});
-  return error == cudaSuccess && pageable(to) && !later ? wait_for_all() : error;
+  return error == cudaSuccess && pageable(to) && !later ? finish(device.end(number_of(stream))) : error;
 }
 cudaError_t cudaMemsetAsync(void* to, int value, std::size_t bytes, cudaStream_t stream) {
   Locked locked;
@@ -457,62 +489,86 @@ cudaError_t cudaDeviceSynchronize() {
   Locked locked;
   return wait_for_all();
 }
-cudaError_t cudaStreamCreate(cudaStream_t* stream) { return *stream = new CUstream_st, cudaSuccess; }
+cudaError_t cudaStreamCreate(cudaStream_t* stream) {
+  Locked locked;
+  *stream = new CUstream_st{device.make()};
+  return cudaSuccess;
+}
 cudaError_t cudaStreamDestroy(cudaStream_t stream) {
   Locked locked;
   delete stream;
   return cudaSuccess;
 }
-cudaError_t cudaStreamSynchronize(cudaStream_t) {
+cudaError_t cudaStreamSynchronize(cudaStream_t stream) {
   Locked locked;
-  return wait_for_all();
+  if (captures(stream) || this_thread_captures()) return done(cudaErrorStreamCaptureUnsupported);
+  return is_default(stream) ? finish() : finish(device.end(stream->number));
 }
 cudaError_t cudaEventCreateWithFlags(cudaEvent_t* event, unsigned) { return *event = new CUevent_st, cudaSuccess; }
 cudaError_t cudaEventCreate(cudaEvent_t* event) { return cudaEventCreateWithFlags(event, 0); }
 cudaError_t cudaEventDestroy(cudaEvent_t event) {
   Locked locked;
-  const cudaError_t error = capture ? cudaSuccess : finish();
   delete event;
-  return error;
+  return cudaSuccess;
 }
 cudaError_t cudaEventRecord(cudaEvent_t event, cudaStream_t stream) {
   Locked locked;
   event->captured = captures(stream);
-  if (event->captured) return cudaSuccess;
-  return add(stream, {[event] { event->time = std::chrono::steady_clock::now(); }, nullptr});
+  if (event->captured) {
+    event->position = capture->streams.end(stream->captured_as);
+    return cudaSuccess;
+  }
+  const cudaError_t error = add(stream, {[time = event->time] { *time = std::chrono::steady_clock::now(); }, nullptr});
+  event->position = device.end(number_of(stream));
+  return error;
 }
 cudaError_t cudaStreamWaitEvent(cudaStream_t stream, cudaEvent_t event, unsigned) {
   Locked locked;
-  if (event->captured && capture && !captures(stream)) {  // the stream takes part in the capture from here on
-    stream->captures = true;
-    capturing.push_back(stream);
+  if (!event->captured) {
+    if (captures(stream)) return done(cudaErrorStreamCaptureIsolation);
+    device.wait(number_of(stream), event->position);
+    return cudaSuccess;
   }
+  if (!capture || is_default(stream)) return done(cudaErrorStreamCaptureIsolation);
+  if (!captures(stream)) {  // the stream takes part in the capture from here on
+    stream->captured_as = capture->streams.make();
+    capture->taking_part.push_back(stream);
+  }
+  capture->streams.wait(stream->captured_as, event->position);
   return cudaSuccess;
 }
 cudaError_t cudaEventSynchronize(cudaEvent_t event) {
   Locked locked;
-  return event->captured ? done(cudaErrorCapturedEvent) : wait_for_all();
+  if (event->captured) return done(cudaErrorCapturedEvent);
+  return this_thread_captures() ? done(cudaErrorStreamCaptureUnsupported) : finish(event->position);
 }
 cudaError_t cudaEventElapsedTime(float* milliseconds, cudaEvent_t begin, cudaEvent_t end) {
   Locked locked;
-  *milliseconds = std::chrono::duration<float, std::milli>(end->time - begin->time).count();
+  *milliseconds = std::chrono::duration<float, std::milli>(*end->time - *begin->time).count();
   return cudaSuccess;
 }
 
 cudaError_t cudaStreamBeginCapture(cudaStream_t stream, cudaStreamCaptureMode) {
   Locked locked;
-  if (!stream || capture) return done(cudaErrorStreamCaptureUnsupported);
-  capture = new CUgraph_st;
-  stream->captures = true;
-  capturing.assign(1, stream);
+  if (is_default(stream) || capture) return done(cudaErrorStreamCaptureUnsupported);
+  capture = std::make_unique<Capture>();
+  capture->thread = std::this_thread::get_id();
+  stream->captured_as = capture->streams.make();
+  capture->taking_part.push_back(stream);
   return cudaSuccess;
 }
 cudaError_t cudaStreamEndCapture(cudaStream_t stream, cudaGraph_t* graph) {
   Locked locked;
-  if (!capture || capturing.front() != stream) return done(cudaErrorIllegalState);
-  for (const cudaStream_t one : capturing) one->captures = false;
-  *graph = std::exchange(capture, nullptr);
-  return cudaSuccess;
+  *graph = nullptr;
+  if (!capture || capture->taking_part.front() != stream) return done(cudaErrorIllegalState);
+  // What the first stream needs in the end must be everything: as late as possible, side streams last.
+  std::vector<Work> late;
+  capture->streams.run_to(capture->streams.end(stream->captured_as), [&](const Work& work) { late.push_back(work); });
+  const bool joined = late.size() == capture->work.size();
+  for (const cudaStream_t one : capture->taking_part) one->captured_as = 0;
+  if (joined) *graph = new CUgraph_st{backwards() ? late : capture->work};
+  capture = nullptr;
+  return joined ? cudaSuccess : done(cudaErrorStreamCaptureUnjoined);
 }
 cudaError_t cudaGraphInstantiate(cudaGraphExec_t* exec, cudaGraph_t graph, unsigned long long) {
   Locked locked;
@@ -524,7 +580,6 @@ cudaError_t cudaGraphExecUpdate(cudaGraphExec_t exec, cudaGraph_t graph, cudaGra
   bool same = exec->work.size() == graph->work.size();
   for (std::size_t k = 0; same && k < graph->work.size(); ++k) same = exec->work[k].form == graph->work[k].form;
   if (!same) return done(cudaErrorGraphExecUpdateFailure);
-  finish();  // what is queued keeps the graph that it was started with
   exec->work = graph->work;
   return cudaSuccess;
 }

@@ -238,7 +238,12 @@ void Warp::run() {
           }
           break;
         case Kind::together: {
-          const Lanes all = static_cast<Lanes>(value(i.from[4])[std::countr_zero(lanes)]) & alive;
+          const std::uint64_t* masks = value(i.from[4]);
+          const Lanes all = static_cast<Lanes>(masks[std::countr_zero(lanes)]);
+          for (Lanes rest = lanes; rest; rest &= rest - 1)
+            if (static_cast<Lanes>(masks[std::countr_zero(rest)]) != all)
+              throw Hazard("lanes that do not wait for the same ones" + place_of(*block, i));
+          if (all & ~alive) throw Hazard("waits for lanes that have ended" + place_of(*block, i));
           if ((all & lanes) != all) {
             put(lanes, pc);
             if (moved) waits_at.clear();

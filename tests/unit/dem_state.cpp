@@ -137,6 +137,8 @@ TEST(DemState, PicturesAndStatesAreOfTheInstantOfAsking) {
     EXPECT_TRUE(std::any_of(first.grain_contacts.begin(), first.grain_contacts.end(),
                             [](const dem::GrainContact& contact) { return norm(contact.period) > 0; }));
     const base::Columns state = sim->save();
+    expect_equal(sim->picture()(), first);  // at once: what is on its way is waited for
+    EXPECT_EQ(sim->saved()(), state);
     auto first_later = sim->picture();
     auto state_later = sim->saved();
     const auto before = sim->counts().rebuilds;
