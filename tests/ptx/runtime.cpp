@@ -107,14 +107,10 @@ cudaError_t done(cudaError_t error) {
   if (error != cudaSuccess) last = error;
   return error;
 }
-bool switched_on(const char* name) {
-  const char* value = std::getenv(name);
-  return value && *value && *value != '0';
-}
 
 /// Blocks from the last to the first, and of what may run at the same time the other first.
 bool backwards() {
-  static const bool set = switched_on("PTX_BACKWARDS");
+  static const bool set = ptx::switched_on("PTX_BACKWARDS");
   return set;
 }
 

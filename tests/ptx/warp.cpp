@@ -14,11 +14,6 @@ namespace {
 std::set<const Instruction*> told;
 std::uint32_t launch = 0;  // the one that runs
 
-bool switched_on(const char* variable) {
-  const char* value = std::getenv(variable);
-  return value && *value == '1';
-}
-
 std::string place_of(const Block& block, const Instruction& i) {
   return "\n  in " + block.kernel->name + "\n  at " + std::string(block.program->line(i.line));
 }
@@ -63,6 +58,11 @@ Races& races() {
 }
 
 }  // namespace
+
+bool switched_on(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value && *value == '1';
+}
 
 Counts counted;
 bool counts = switched_on("PTX_STATISTICS");

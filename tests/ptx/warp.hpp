@@ -21,6 +21,9 @@ struct Hazard : std::runtime_error {
   using runtime_error::runtime_error;
 };
 
+/// Whether an environment variable is 1.
+bool switched_on(const char* variable);
+
 /// What is wrong but does not stop a device; said once for each instruction on standard error.
 struct Findings {
   long unwritten = 0;  // reads of what was never written
